@@ -11,6 +11,8 @@ NavState retract(const NavState& state, const StateVector& delta) {
   moved.bias.gyro += delta.segment<3>(kGyroBiasAt);
   moved.bias.accel += delta.segment<3>(kAccelBiasAt);
   moved.gravity_map = turned(state.gravity_map, delta.segment<2>(kGravityAt));
+  moved.velocity.scale += delta[kScaleAt];
+  moved.velocity.turn += delta.segment<2>(kTurnAt);
   return moved;
 }
 
@@ -20,7 +22,8 @@ StateVector difference(const NavState& from, const NavState& to) {
   delta << R_body_map * (to.T_map_body.translation() - from.T_map_body.translation()),
       so3_log(R_body_map * to.T_map_body.linear()), to.v_map_body - from.v_map_body,
       to.bias.gyro - from.bias.gyro, to.bias.accel - from.bias.accel,
-      turn_between(from.gravity_map, to.gravity_map);
+      turn_between(from.gravity_map, to.gravity_map), to.velocity.scale - from.velocity.scale,
+      to.velocity.turn - from.velocity.turn;
   return delta;
 }
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 #include "adit/slam/gnss/gnss_noise.hpp"
 
 namespace adit {
@@ -19,6 +21,11 @@ bool is_covariance(const Eigen::Matrix2d& level, double height) {
   return level.allFinite() && level.diagonal().minCoeff() >= 0.0 && !(height < 0.0);
 }
 
+bool is_covariance_of(const Eigen::Matrix3d& of_velocity) {
+  return of_velocity.allFinite() && of_velocity.isApprox(of_velocity.transpose(), 1e-6) &&
+         of_velocity.llt().info() == Eigen::Success;
+}
+
 bool has_finite_height(const Eigen::Matrix3d& covariance) {
   return covariance.row(2).allFinite() && covariance.col(2).allFinite();
 }
@@ -29,6 +36,9 @@ std::optional<Measurement> MeasurementGate::pass(Measurement measurement) {
   if (auto* sweep = std::get_if<Sweep>(&measurement)) {
     mend(*sweep);
   } else if (auto* fix = std::get_if<GnssFix>(&measurement); fix != nullptr && !mend(*fix)) {
+    return std::nullopt;
+  } else if (auto* velocity = std::get_if<BodyVelocity>(&measurement);
+             velocity != nullptr && !mend(*velocity)) {
     return std::nullopt;
   }
   return measurement;
@@ -81,6 +91,21 @@ bool MeasurementGate::mend(GnssFix& fix) {
     fix.altitude = std::isfinite(fix.altitude) ? fix.altitude : last_altitude_;
     fix.covariance = without_height(fix.covariance.value_or(Eigen::Matrix3d::Zero()));
     ++faults_.fixes_without_height;
+  }
+  return true;
+}
+
+// False: it says nothing. Zeros are variances that nobody filled in.
+bool MeasurementGate::mend(BodyVelocity& velocity) {
+  ++faults_.velocities;
+  const auto measured = (velocity.linear.array() == velocity.linear.array()).eval();
+  if (!measured.any() || velocity.linear.array().isInf().any()) {
+    ++faults_.velocities_left_out;
+    return false;
+  }
+  if (velocity.covariance && !is_covariance_of(*velocity.covariance)) {
+    velocity.covariance.reset();
+    ++faults_.velocities_without_covariance;
   }
   return true;
 }

@@ -14,15 +14,18 @@ struct MeasurementFaults {
   std::size_t fixes = 0;                 ///< GNSS fixes that were added
   std::size_t fixes_left_out = 0;        ///< without a finite latitude and longitude
   std::size_t fixes_without_height = 0;  ///< without a finite altitude, or a finite variance of it
-  std::size_t fixes_without_covariance = 0;  ///< covariance not finite or negative: not used
-  std::size_t intensities = 0;               ///< points whose intensity is not finite: 0 instead
-  std::size_t times = 0;                     ///< points whose time no sweep has: they have none
-  std::size_t transforms = 0;                ///< static transforms that are not finite: left out
+  std::size_t fixes_without_covariance = 0;       ///< covariance not finite or negative: not used
+  std::size_t velocities = 0;                     ///< measured velocities that were added
+  std::size_t velocities_left_out = 0;            ///< infinite, or not measured on any axis
+  std::size_t velocities_without_covariance = 0;  ///< covariance that none can be: not used
+  std::size_t intensities = 0;  ///< points whose intensity is not finite: 0 instead
+  std::size_t times = 0;        ///< points whose time no sweep has: they have none
+  std::size_t transforms = 0;   ///< static transforms that are not finite: left out
 
   /// There is a fault at all.
   bool any() const {
-    return fixes_left_out + fixes_without_height + fixes_without_covariance + intensities + times +
-               transforms >
+    return fixes_left_out + fixes_without_height + fixes_without_covariance + velocities_left_out +
+               velocities_without_covariance + intensities + times + transforms >
            0;
   }
 };
@@ -42,6 +45,7 @@ class MeasurementGate {
  private:
   void mend(Sweep& sweep);
   bool mend(GnssFix& fix);
+  bool mend(BodyVelocity& velocity);
 
   MeasurementFaults faults_;
   double last_altitude_ = 0.0;  ///< m, of the last fix that had one

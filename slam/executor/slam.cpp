@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "adit/slam/executor/worker.hpp"
+#include "adit/slam/inertial/doppler_velocity.hpp"
 
 namespace adit {
 namespace {
@@ -60,6 +61,7 @@ class OfflineSlam final : public Slam {
   OfflineSlam(engine::Context& context, const Config& config, const SlamOptions& options)
       : configured_(config.imu.T_imu_lidar),
         gnss_(config.gnss),
+        velocity_(config.velocity),
         inertial_(options.inertial && config.imu.use),
         feed_(inertial_, nanoseconds(config.imu.wait)),
         odometry_(context, config),
@@ -78,11 +80,10 @@ class OfflineSlam final : public Slam {
   }
 
   void add(Measurement measurement, std::string_view frame) override {
-    std::string* named = std::holds_alternative<Sweep>(measurement)       ? &lidar_frame_
-                         : std::holds_alternative<ImuSample>(measurement) ? &imu_frame_
-                                                                          : &gnss_frame_;
-    if (named->empty()) {
-      *named = frame;
+    std::string& named = frames_[measurement.index()];
+    const auto* of_frame = std::get_if<BodyVelocity>(&measurement);
+    if (named.empty()) {
+      named = of_frame != nullptr && !of_frame->frame.empty() ? of_frame->frame : frame;
     }
     has_readings_ = has_readings_ || std::holds_alternative<ImuSample>(measurement);
     if (auto* fix = std::get_if<GnssFix>(&measurement)) {
@@ -90,6 +91,12 @@ class OfflineSlam final : public Slam {
         return;
       }
       fix->stamp += nanoseconds(gnss_.time_offset);
+    }
+    if (auto* velocity = std::get_if<BodyVelocity>(&measurement)) {
+      if (!inertial_ || !velocity_.use) {
+        return;
+      }
+      velocity->stamp += nanoseconds(velocity_.time_offset);
     }
     flushing_ = false;
     if (std::optional<Measurement> passed = gate_.pass(std::move(measurement))) {
@@ -187,6 +194,11 @@ class OfflineSlam final : public Slam {
   };
   using Result = std::variant<SlamResult, std::unique_ptr<InMap>, std::exception_ptr>;
 
+  template <class Kind>
+  const std::string& frame_of() const {
+    return frames_[Measurement(Kind{}).index()];
+  }
+
   static bool is_ready(const std::shared_future<MapPlacement>& placement) {
     return placement.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   }
@@ -242,6 +254,8 @@ class OfflineSlam final : public Slam {
       place(std::move(*sweep));
     } else if (const auto* reading = std::get_if<ImuSample>(&due)) {
       take(*reading);
+    } else if (const auto* velocity = std::get_if<BodyVelocity>(&due)) {
+      odometry_.add(*velocity, VelocitySource::sensor);
     } else {
       take(std::get<GnssFix>(due));
     }
@@ -279,8 +293,8 @@ class OfflineSlam final : public Slam {
   Eigen::Vector3d antenna() {
     if (!p_lidar_antenna_ && gnss_.antenna) {
       p_lidar_antenna_ = Eigen::Vector3d(gnss_.antenna->data());
-    } else if (!p_lidar_antenna_ && !gnss_frame_.empty() && !lidar_frame_.empty()) {
-      if (const auto T = transforms_.transform(lidar_frame_, gnss_frame_)) {
+    } else if (!p_lidar_antenna_ && !frame_of<GnssFix>().empty() && !frame_of<Sweep>().empty()) {
+      if (const auto T = transforms_.transform(frame_of<Sweep>(), frame_of<GnssFix>())) {
         p_lidar_antenna_ = Eigen::Vector3d(T->translation());
       }
     }
@@ -302,6 +316,32 @@ class OfflineSlam final : public Slam {
     mounting_ = found;
   }
 
+  /// Until its transform has arrived, the settings' mounting stands, or the lidar's axes.
+  void look_up_velocity_mounting() {
+    const std::string& sensor = frame_of<BodyVelocity>();
+    const std::string& lidar = frame_of<Sweep>();
+    if (velocity_.T_lidar_sensor || velocity_is_mounted_ || sensor.empty() || lidar.empty()) {
+      return;
+    }
+    if (const auto T_lidar_sensor = transforms_.transform(lidar, sensor)) {
+      odometry_.mount_velocity(*T_lidar_sensor);
+      velocity_is_mounted_ = true;
+    }
+  }
+
+  /// Points that move are taken out, as without a return: how many.
+  std::size_t take_doppler(Sweep& sweep) {
+    const auto fit = velocity_.use ? fit_doppler(sweep) : std::nullopt;
+    if (!fit) {
+      return 0;
+    }
+    odometry_.add(fit->velocity, VelocitySource::doppler);
+    for (const std::size_t i : fit->moving) {
+      sweep.points[i] = Point{};
+    }
+    return fit->moving.size();
+  }
+
   void place(Sweep sweep) {
     if (last_sweep_ && sweep.stamp <= *last_sweep_) {
       results_.emplace_back(
@@ -310,7 +350,10 @@ class OfflineSlam final : public Slam {
     }
     last_sweep_ = sweep.stamp;
     look_up_mounting();
+    look_up_velocity_mounting();
+    const std::size_t moving = take_doppler(sweep);
     SweepResult result = odometry_.step(sweep);
+    result.moving_points = static_cast<int>(moving);
     if (high_rate_) {
       high_rate_->update(result.inertial);
     }
@@ -391,17 +434,20 @@ class OfflineSlam final : public Slam {
     if (configured_) {
       return {.source = MountingSource::configured, .T_imu_lidar = pose_of(*configured_)};
     }
-    const bool named = !imu_frame_.empty() && !lidar_frame_.empty();
-    const auto told = named ? transforms_.transform(imu_frame_, lidar_frame_) : std::nullopt;
+    const std::string& imu = frame_of<ImuSample>();
+    const std::string& lidar = frame_of<Sweep>();
+    const bool named = !imu.empty() && !lidar.empty();
+    const auto told = named ? transforms_.transform(imu, lidar) : std::nullopt;
     // By its numbers, so that the same setting gives the same bytes.
     return told ? Mounting{.source = MountingSource::transforms,
                            .T_imu_lidar = pose_of(numbers_of(*told)),
-                           .conflict = transforms_.conflict(imu_frame_, lidar_frame_)}
+                           .conflict = transforms_.conflict(imu, lidar)}
                 : Mounting{.source = MountingSource::assumed};
   }
 
   std::optional<std::array<double, 7>> configured_;
   GnssConfig gnss_;
+  VelocityConfig velocity_;
   bool inertial_;
   MeasurementGate gate_;
   SensorFeed feed_;
@@ -429,10 +475,10 @@ class OfflineSlam final : public Slam {
   std::exception_ptr map_failure_;  ///< the same, as it was seen in the results
   bool map_error_told_ = false;
   FrameTree transforms_;
-  std::string lidar_frame_;
-  std::string imu_frame_;
-  std::string gnss_frame_;
+  /// Of the first measurement of each kind that names one, in the order of Measurement.
+  std::array<std::string, std::variant_size_v<Measurement>> frames_;
   bool has_readings_ = false;                       ///< of the inertial sensor, used or not yet
+  bool velocity_is_mounted_ = false;                ///< by a transform
   bool transforms_are_new_ = false;                 ///< since the mounting was looked up
   std::optional<Eigen::Vector3d> p_lidar_antenna_;  ///< once it is known
   std::optional<Mounting> mounting_;

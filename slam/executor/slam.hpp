@@ -102,7 +102,8 @@ class Slam {
 
   /// Takes a measurement, in any order of arrival (SensorFeed puts them into theirs). `frame` names
   /// the sensor's frame, where static transforms are to tell the mounting. GNSS fixes tie the map
-  /// to the world, and are passed over where none is made. Values that are not finite go no farther
+  /// to the world, and are passed over where none is made; so are velocities without an inertial
+  /// sensor. Values that are not finite go no farther
   /// (MeasurementGate); faults() counts them.
   virtual void add(Measurement measurement, std::string_view frame = {}) = 0;
 

@@ -57,9 +57,11 @@ FailedCheck check_of(GraphFailure failure, StateQuantity quantity) {
 
 }  // namespace
 
-FusedMotion::FusedMotion(const GraphSettings& settings, const SensorStart& start)
-    : graph_(settings) {
-  graph_.start(prior_of(start));
+FusedMotion::FusedMotion(const GraphSettings& settings, const SensorStart& start,
+                         const CalibrationSigma& calibration)
+    : graph_(settings),
+      watches_{VelocityWatch(calibration.scale), VelocityWatch(calibration.scale)} {
+  graph_.start(prior_of(start, calibration));
 }
 
 std::variant<StateEstimate, FailedCheck> FusedMotion::predict(std::vector<ImuSample> readings) {
@@ -77,7 +79,8 @@ std::variant<StateEstimate, FailedCheck> FusedMotion::predict(std::vector<ImuSam
 }
 
 FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
-                             const Eigen::Isometry3d& T_body_lidar, const CheckContext& context) {
+                             const Eigen::Isometry3d& T_body_lidar, const CheckContext& context,
+                             std::vector<MeasuredWay> ways) {
   Pending pending = *std::exchange(pending_, std::nullopt);
   const double elapsed = seconds(pending.prediction.state.stamp - graph_.latest().stamp);
   alone_ = alignment != nullptr ? 0.0 : alone_ + elapsed;
@@ -99,7 +102,16 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
     note(result.innovation);
     result.scale = error_scale();
   }
-  const GraphEstimate fused = graph_.add(std::move(pending.readings), measurement);
+  std::vector<MeasuredWay> trusted;
+  for (MeasuredWay& way : ways) {
+    VelocityWatch& watch = watches_[static_cast<size_t>(way.source)];
+    result.velocities.push_back(watch.judge(way, graph_.latest(), pending.prediction));
+    if (!result.velocities.back().refused) {
+      trusted.push_back(way);
+    }
+  }
+  const GraphEstimate fused =
+      graph_.add(std::move(pending.readings), measurement, std::move(trusted));
   if (const auto* failure = std::get_if<GraphFailure>(&fused)) {
     result.outcome = check_of(*failure, StateQuantity::state);
   } else if (const auto failed = failed_check(std::get<StateEstimate>(fused), context)) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <deque>
 #include <optional>
 #include <variant>
@@ -10,6 +11,7 @@
 #include "adit/slam/fusion/inertial_event.hpp"
 #include "adit/slam/fusion/sensor_start.hpp"
 #include "adit/slam/fusion/sliding_graph.hpp"
+#include "adit/slam/fusion/velocity_watch.hpp"
 
 namespace adit {
 
@@ -29,12 +31,14 @@ struct FusedSweep {
   /// How large errors are, in units of the variances that are promised: what the last innovations
   /// tell. 1 where there are too few.
   double scale = 1.0;
+  std::vector<VelocityReport> velocities{};  ///< of the ways that were measured
 };
 
 /// A sensor that is fused: the sliding graph, with the sweep that is under way.
 class FusedMotion {
  public:
-  FusedMotion(const GraphSettings& settings, const SensorStart& start);
+  FusedMotion(const GraphSettings& settings, const SensorStart& start,
+              const CalibrationSigma& calibration = {});
 
   /// The state of the newest sweep.
   const NavState& latest() const { return graph_.latest(); }
@@ -46,9 +50,10 @@ class FusedMotion {
   const StateEstimate* prediction() const { return pending_ ? &pending_->prediction : nullptr; }
   void forget_prediction() { pending_.reset(); }
 
-  /// Fuses the sweep under way: by its alignment, or by inertia alone where that is null.
+  /// Fuses the sweep under way: by its alignment, or by inertia alone where that is null; and by
+  /// the ways that were measured since the last sweep.
   FusedSweep fuse(const RegistrationResult* alignment, const Eigen::Isometry3d& T_body_lidar,
-                  const CheckContext& context);
+                  const CheckContext& context, std::vector<MeasuredWay> ways = {});
 
   /// Sweeps fused in a row.
   int sweeps() const { return sweeps_; }
@@ -66,6 +71,7 @@ class FusedMotion {
                                           const CheckContext& context) const;
 
   SlidingGraph graph_;
+  std::array<VelocityWatch, kVelocitySources> watches_;  ///< by VelocitySource
   std::optional<Pending> pending_;
   std::deque<double> innovations_;  ///< squared, a degree of freedom, of the last alignments
   int outliers_ = 0;                ///< in a row: innovations beyond the gate

@@ -4,11 +4,13 @@
 
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/nav_state.hpp"
 #include "adit/slam/fusion/inertial_event.hpp"
 #include "adit/slam/fusion/sliding_graph.hpp"
+#include "adit/slam/fusion/velocity_watch.hpp"
 
 namespace adit {
 
@@ -37,11 +39,13 @@ struct InertialReport {
   Eigen::Vector3d gravity_map = Eigen::Vector3d::Zero();  ///< m/s²; zero before a start
   Innovation innovation;         ///< the alignment's innovation; 0 degrees where there was none
   double innovation_gate = 0.0;  ///< bound of its nis: beyond it the alignment is an outlier
-  double bridged_gap = 0.0;      ///< s, the longest time without readings that was bridged
-  bool compared = false;         ///< prediction and constant velocity, against the alignment:
-  bool better_turn = false;      ///< the inertial prediction's rotation was nearer
-  bool better_travel = false;    ///< its translation was
-  double accel_scale = 1.0;      ///< from the accelerometer's own unit and sign to m/s²
+  std::vector<VelocityReport>
+      velocities;              ///< of sensors that measured the way since the last sweep
+  double bridged_gap = 0.0;    ///< s, the longest time without readings that was bridged
+  bool compared = false;       ///< prediction and constant velocity, against the alignment:
+  bool better_turn = false;    ///< the inertial prediction's rotation was nearer
+  bool better_travel = false;  ///< its translation was
+  double accel_scale = 1.0;    ///< from the accelerometer's own unit and sign to m/s²
   Eigen::Isometry3d T_body_lidar = Eigen::Isometry3d::Identity();  ///< refined, if it is to be
   double clock_offset = 0.0;  ///< s, taken off the stamps of readings; 0 unless it is refined
   /// The gyroscope against the sweeps, as they come: the latest that the motion constrained.

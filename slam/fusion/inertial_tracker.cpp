@@ -108,11 +108,15 @@ ImuNoise imu_noise(const ImuConfig& config) {
   return noise;
 }
 
-InertialTracker::InertialTracker(const ImuConfig& config, double configured_offset)
+InertialTracker::InertialTracker(const ImuConfig& config, double configured_offset,
+                                 const VelocityConfig& velocity)
     : config_(config),
       noise_(imu_noise(config)),
       T_body_lidar_(config.T_imu_lidar ? pose_of(*config.T_imu_lidar)
                                        : Eigen::Isometry3d::Identity()),
+      velocity_(velocity),
+      T_lidar_velocity_(velocity.T_lidar_sensor ? pose_of(*velocity.T_lidar_sensor)
+                                                : Eigen::Isometry3d::Identity()),
       readings_(config),
       watch_(config, configured_offset) {}
 
@@ -248,6 +252,9 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
   readings_.forget_before(waiting == nullptr || waiting->poses().empty()
                               ? T_map_lidar.stamp
                               : waiting->poses().front().stamp);
+  for (VelocityBuffer& source : velocities_) {
+    source.forget_before(T_map_lidar.stamp);
+  }
   report.state = state();
   report.event = std::exchange(event_, std::nullopt);
   report.hindrance = hindrance_;
@@ -274,9 +281,11 @@ void InertialTracker::fuse(Fused& fused, const RegistrationResult* alignment,
                                              {.before = history_.fused,
                                               .timed = timed_,
                                               .sign_assumed = history_.is_sign_assumed(),
-                                              .sure = !passing_cause()});
+                                              .sure = !passing_cause()},
+                                             ways_until(predicted.stamp, fused.motion.latest()));
   report.innovation = sweep.innovation;
   report.innovation_gate = sweep.innovation_gate;
+  report.velocities = sweep.velocities;
   if (const auto* failed = std::get_if<FailedCheck>(&sweep.outcome)) {
     lose(*failed);
     if (alignment != nullptr && !stuck_axis()) {
@@ -301,6 +310,28 @@ void InertialTracker::fuse(Fused& fused, const RegistrationResult* alignment,
     report.lidar_covariance =
         kOwnShare * sweep.scale * (report.lidar_covariance + covariance(*alignment, kFusedModel));
   }
+}
+
+void InertialTracker::add(const BodyVelocity& velocity, VelocitySource source) {
+  velocities_[static_cast<size_t>(source)].add(velocity);
+}
+
+std::vector<MeasuredWay> InertialTracker::ways_until(Nanoseconds stamp,
+                                                     const NavState& from) const {
+  const std::array mountings = {Eigen::Isometry3d(T_body_lidar_ * T_lidar_velocity_),
+                                T_body_lidar_};
+  std::vector<MeasuredWay> ways;
+  for (size_t i = 0; i < kVelocitySources; ++i) {
+    if (velocities_[i].empty()) {
+      continue;
+    }
+    if (auto way = measured_way(velocities_[i], readings_.between(from.stamp, stamp).samples,
+                                from.bias.gyro, mountings[i], velocity_.sigma)) {
+      way->source = static_cast<VelocitySource>(i);
+      ways.push_back(*way);
+    }
+  }
+  return ways;
 }
 
 void InertialTracker::watch(const StampedPose& alignment, const SweepMotion* deskewed) {

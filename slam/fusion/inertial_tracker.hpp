@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -32,13 +33,22 @@ class InertialTracker {
  public:
   /// `config` must have passed validate(). `configured_offset` (s) is what the stamps of readings
   /// have in them of recording.imu_time_offset: remedies name the sum.
-  explicit InertialTracker(const ImuConfig& config, double configured_offset = 0.0);
+  explicit InertialTracker(const ImuConfig& config, double configured_offset = 0.0,
+                           const VelocityConfig& velocity = {});
 
   /// In place of the settings' mounting. What was started with another one starts anew.
   void mount(const Eigen::Isometry3d& T_imu_lidar);
 
   /// Takes a reading. Returns those whose fate is known with it: one that jumps waits for the next.
   std::vector<TakenReading> add(const ImuSample& sample);
+
+  /// Takes what a sensor of velocities measured, or the sweeps' Doppler speeds, in lidar axes. One
+  /// that is not after the newest is dropped.
+  void add(const BodyVelocity& velocity, VelocitySource source);
+  /// Where that sensor is on the lidar, in place of the settings' mounting.
+  void mount_velocity(const Eigen::Isometry3d& T_lidar_sensor) {
+    T_lidar_velocity_ = T_lidar_sensor;
+  }
 
   /// Attitude of the lidar in a map whose z is up, as the readings of that time have it: within a
   /// few degrees for a sensor that moves. None without readings.
@@ -125,6 +135,8 @@ class InertialTracker {
   std::optional<InertialPrediction> predict(Fused& fused, Nanoseconds stamp, double duration);
   void fuse(Fused& fused, const RegistrationResult* alignment, const Eigen::Isometry3d& steady,
             InertialReport& report);
+  /// What sensors of velocities measured since the last sweep.
+  std::vector<MeasuredWay> ways_until(Nanoseconds stamp, const NavState& from) const;
   void collect(const StampedPose& T_map_lidar, std::vector<Eigen::Vector3d> unheld);
   void start_if_possible();
   void start(const SensorStart& start);
@@ -146,7 +158,10 @@ class InertialTracker {
   ImuConfig config_;
   ImuNoise noise_;
   Eigen::Isometry3d T_body_lidar_;
+  VelocityConfig velocity_;
+  Eigen::Isometry3d T_lidar_velocity_;
   InertialReadings readings_;
+  std::array<VelocityBuffer, kVelocitySources> velocities_;  ///< by VelocitySource
   GyroWatch watch_;
   bool timed_ = false;  ///< points have times: a sweep's stamp is when it began
   State state_;

@@ -157,12 +157,13 @@ void InertialTracker::start(const SensorStart& start) {
   history_.accel_scale = start.how.accel_scale;
   history_.fused = start.state;
   history_.failed_at.reset();
-  state_ = Fused{.motion = FusedMotion({.noise = noise_,
-                                        .gravity_walk = config_.gravity_walk,
-                                        .gravity_walk_way = config_.gravity_walk_way,
-                                        .lag = config_.lag,
-                                        .reset = config_.reset},
-                                       start)};
+  state_ = Fused{
+      .motion = FusedMotion({.noise = noise_,
+                             .gravity_walk = config_.gravity_walk,
+                             .gravity_walk_way = config_.gravity_walk_way,
+                             .lag = config_.lag,
+                             .reset = config_.reset},
+                            start, {.scale = velocity_.scale_sigma, .turn = velocity_.turn_sigma})};
 }
 
 }  // namespace adit

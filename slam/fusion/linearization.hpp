@@ -77,6 +77,13 @@ inline RobustWeight huber(double squared_norm, double width) {
   return {width * norm - 0.5 * width * width, width / norm};
 }
 
+/// Cauchy's kernel: logarithmic beyond a squared norm of `squared_width`; what is far off ends with
+/// no weight.
+inline RobustWeight cauchy(double squared_norm, double squared_width) {
+  const double share = squared_norm / squared_width;
+  return {0.5 * squared_width * std::log1p(share), 1.0 / (1.0 + share)};
+}
+
 template <int kRows>
 StateQuadratic quadratic(const StateFactor<kRows>& factor, double huber_width = 0.0) {
   const RobustWeight robust = huber(factor.residual.squaredNorm(), huber_width);
@@ -85,10 +92,19 @@ StateQuadratic quadratic(const StateFactor<kRows>& factor, double huber_width = 
 }
 
 template <int kRows>
+LinkQuadratic quadratic(const LinkFactor<kRows>& factor, const RobustWeight& robust) {
+  const double weight = robust.weight;
+  return {weight * factor.by_from.transpose() * factor.by_from,
+          weight * factor.by_from.transpose() * factor.by_to,
+          weight * factor.by_to.transpose() * factor.by_to,
+          weight * factor.by_from.transpose() * factor.residual,
+          weight * factor.by_to.transpose() * factor.residual,
+          robust.cost};
+}
+
+template <int kRows>
 LinkQuadratic quadratic(const LinkFactor<kRows>& factor) {
-  return {factor.by_from.transpose() * factor.by_from, factor.by_from.transpose() * factor.by_to,
-          factor.by_to.transpose() * factor.by_to,     factor.by_from.transpose() * factor.residual,
-          factor.by_to.transpose() * factor.residual,  0.5 * factor.residual.squaredNorm()};
+  return quadratic(factor, {0.5 * factor.residual.squaredNorm(), 1.0});
 }
 
 }  // namespace adit

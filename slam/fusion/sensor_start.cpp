@@ -48,12 +48,13 @@ void StartCollection::clear() {
   unheld_.clear();
 }
 
-StatePrior prior_of(const SensorStart& start) {
+StatePrior prior_of(const SensorStart& start, const CalibrationSigma& calibration) {
   const ImuStart& how = start.how;
   StateVector sigma;
   sigma << Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(0.005),
       Eigen::Vector3d::Constant(how.velocity_sigma), how.bias_sigma.gyro, how.bias_sigma.accel,
-      Eigen::Vector2d::Constant(how.gravity_sigma);
+      Eigen::Vector2d::Constant(how.gravity_sigma), calibration.scale,
+      Eigen::Vector2d::Constant(calibration.turn);
   const StatePrior independent = independent_prior(start.state, sigma);
   if (!how.rest_sigma) {
     return independent;
@@ -127,7 +128,8 @@ StartAttempt try_start(const StartCollection& collected, const InertialReadings&
                                .T_map_body = last.pose,
                                .v_map_body = how.v_map_body,
                                .bias = how.bias,
-                               .gravity_map = how.gravity_map},
+                               .gravity_map = how.gravity_map,
+                               .velocity = before ? before->state.velocity : VelocityCalibration{}},
                      .how = how,
                      .since = first.stamp};
 }
@@ -156,7 +158,8 @@ SensorStart start_after_gap(const StartCollection& collected, const ImuNoise& no
                     .T_map_body = last.pose,
                     .v_map_body = how.v_map_body,
                     .bias = how.bias,
-                    .gravity_map = how.gravity_map},
+                    .gravity_map = how.gravity_map,
+                    .velocity = known.velocity},
           .how = how,
           .since = first.stamp};
 }

@@ -61,8 +61,14 @@ struct SensorStart {
 /// R_map_body (reading - b_a) + g = 0 to `sigma` m/s².
 StateFactor<3> rest_factor(const Eigen::Vector3d& reading, const NavState& state, double sigma);
 
+/// Standard deviations of what the calibration of a sensor of velocities lacks at first.
+struct CalibrationSigma {
+  double scale = 0.05;
+  double turn = 0.05;  ///< rad
+};
+
 /// The prior that the sliding graph begins with.
-StatePrior prior_of(const SensorStart& start);
+StatePrior prior_of(const SensorStart& start, const CalibrationSigma& calibration = {});
 
 /// How a try ended: there are too few sweeps to try, something is in the way, or the sensor starts.
 using StartAttempt = std::variant<std::monostate, InertialHindrance, SensorStart>;

@@ -9,6 +9,7 @@
 
 #include "adit/slam/fusion/convergence.hpp"
 #include "adit/slam/fusion/imu_factor.hpp"
+#include "adit/slam/fusion/velocity_factor.hpp"
 #include "adit/slam/fusion/walk_factor.hpp"
 
 namespace adit {
@@ -72,7 +73,8 @@ GraphEstimate SlidingGraph::predict(const std::vector<ImuSample>& readings) cons
 }
 
 GraphEstimate SlidingGraph::add(std::vector<ImuSample> readings,
-                                const std::optional<PoseMeasurement>& measurement) {
+                                const std::optional<PoseMeasurement>& measurement,
+                                std::vector<MeasuredWay> ways) {
   Node node;
   node.between = preintegrate(readings, latest().bias, settings_.noise);
   if (node.between.duration <= 0.0) {
@@ -83,6 +85,7 @@ GraphEstimate SlidingGraph::add(std::vector<ImuSample> readings,
   node.state.stamp = readings.back().stamp;
   node.readings = std::move(readings);
   node.measurement = measurement;
+  node.ways = std::move(ways);
   append(std::move(node));
 
   const GraphEstimate estimate = optimize();
@@ -132,6 +135,10 @@ LinkQuadratic SlidingGraph::link_quadratic(size_t to, const NavState& from_state
   LinkQuadratic sum = quadratic(imu_factor(between, from_state, to_state));
   sum += quadratic(walk_factor(settings_.noise, nodes_[to].gravity_sigma, between.duration,
                                from_state, to_state));
+  for (const MeasuredWay& way : nodes_[to].ways) {
+    const LinkFactor<3> factor = velocity_factor(way, from_state, to_state);
+    sum += quadratic(factor, velocity_kernel(factor));
+  }
   return sum;
 }
 

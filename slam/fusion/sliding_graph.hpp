@@ -13,6 +13,7 @@
 #include "adit/slam/fusion/pose_factor.hpp"
 #include "adit/slam/fusion/state_chain.hpp"
 #include "adit/slam/fusion/state_prior.hpp"
+#include "adit/slam/inertial/measured_way.hpp"
 #include "adit/slam/inertial/preintegration.hpp"
 
 namespace adit {
@@ -50,10 +51,11 @@ class SlidingGraph {
   GraphEstimate predict(const std::vector<ImuSample>& readings) const;
 
   /// A new state at the end of the readings, which begin at the newest one's stamp, and what was
-  /// measured of its pose, if anything; optimises all states and marginalises what is past the lag.
-  /// After a failure the graph must be started again.
+  /// measured of its pose, and of the way since the newest one, if anything; optimises all states
+  /// and marginalises what is past the lag. After a failure the graph must be started again.
   GraphEstimate add(std::vector<ImuSample> readings,
-                    const std::optional<PoseMeasurement>& measurement);
+                    const std::optional<PoseMeasurement>& measurement,
+                    std::vector<MeasuredWay> ways = {});
 
  private:
   struct Node {
@@ -62,6 +64,7 @@ class SlidingGraph {
     std::vector<ImuSample> readings;  ///< from the node before; empty for the first
     Preintegration between;           ///< their preintegration
     double gravity_sigma = 0.0;       ///< of what gravity's direction has walked meanwhile, rad
+    std::vector<MeasuredWay> ways{};  ///< from the node before, by sensors of velocities
   };
 
   double gravity_sigma(const NavState& from, const NavState& to, double duration) const;

@@ -7,10 +7,10 @@
 
 namespace adit {
 
-/// Rows [gyro bias, accel bias, gravity]: the change over `duration` (s, greater than 0) by its
-/// standard deviation. Gravity's are those of its unit vector, whose direction in the map has
-/// walked by `gravity_sigma`, rad, greater than 0.
-LinkFactor<9> walk_factor(const ImuNoise& noise, double gravity_sigma, double duration,
-                          const NavState& from, const NavState& to);
+/// Rows [gyro bias, accel bias, gravity, velocity calibration]: the change over `duration` (s,
+/// greater than 0) by its standard deviation. Gravity's are those of its unit vector, whose
+/// direction in the map has walked by `gravity_sigma`, rad, greater than 0.
+LinkFactor<12> walk_factor(const ImuNoise& noise, double gravity_sigma, double duration,
+                           const NavState& from, const NavState& to);
 
 }  // namespace adit

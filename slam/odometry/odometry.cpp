@@ -153,6 +153,14 @@ std::vector<TakenReading> Odometry::add(const ImuSample& sample) {
   return impl_->inertial.add(sample);
 }
 
+void Odometry::add(const BodyVelocity& velocity, VelocitySource source) {
+  impl_->inertial.add(velocity, source);
+}
+
+void Odometry::mount_velocity(const Eigen::Isometry3d& T_lidar_sensor) {
+  impl_->inertial.mount_velocity(T_lidar_sensor);
+}
+
 // At constant velocity; where that leads nowhere, as stamps a moment apart make it, the sensor
 // stays where it was.
 Prediction Odometry::Impl::possible_prediction(Nanoseconds stamp) const {

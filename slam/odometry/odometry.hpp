@@ -69,6 +69,7 @@ struct SweepResult {
   int cloud_points = 0;   ///< left after down-sampling
   int lost_points =
       0;  ///< found no place in a table on the device or in the submap's extent; 0 is normal
+  int moving_points = 0;     ///< that Doppler speeds showed to move: taken out before anything else
   int crowded_voxels = 0;    ///< of the submap: times that one held more than 65 535 points
   InertialReport inertial;   ///< state of the inertial sensor, where there is one
   bool deskewed = false;     ///< points were moved to the sweep's start
@@ -111,6 +112,12 @@ class Odometry {
   /// Takes an inertial reading, in the sensor's own units. A sweep wants all of them from before
   /// its stamp to its end. Returns the readings whose fate is known with it.
   std::vector<TakenReading> add(const ImuSample& sample);
+
+  /// Takes what a sensor of velocities measured, or the sweeps' Doppler speeds (fit_doppler()); it
+  /// counts where an inertial sensor is fused. A sweep wants all of them from before its stamp.
+  void add(const BodyVelocity& velocity, VelocitySource source = VelocitySource::sensor);
+  /// Where that sensor is on the lidar, in place of velocity.T_lidar_sensor.
+  void mount_velocity(const Eigen::Isometry3d& T_lidar_sensor);
 
   /// Takes the next sweep. Sweeps without a valid point are a failure like any other: coasting.
   /// The same as begin() and finish().

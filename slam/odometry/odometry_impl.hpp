@@ -48,7 +48,7 @@ struct Odometry::Impl {
         front_end(context_, config_.preprocess),
         submap(context_, config_),
         aligner(context_, config_.registration),
-        inertial(config_.imu, config_.recording.imu_time_offset) {}
+        inertial(config_.imu, config_.recording.imu_time_offset, config_.velocity) {}
 
   // odometry.cpp: what is expected, and what follows from an alignment.
   void use_lengths(const Config& derived);

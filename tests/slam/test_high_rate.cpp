@@ -20,7 +20,8 @@ StateVector sigma() {
   StateVector sigma;
   sigma << Eigen::Vector3d::Constant(0.01), Eigen::Vector3d::Constant(0.002),
       Eigen::Vector3d::Constant(0.03), Eigen::Vector3d::Constant(0.002),
-      Eigen::Vector3d::Constant(0.03), Eigen::Vector2d::Constant(0.01);
+      Eigen::Vector3d::Constant(0.03), Eigen::Vector2d::Constant(0.01),
+      Eigen::Vector3d::Constant(0.05);
   return sigma;
 }
 

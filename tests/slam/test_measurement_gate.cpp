@@ -117,5 +117,33 @@ TEST(MeasurementGate, ATransformThatIsNotFiniteIsLeftOut) {
   EXPECT_EQ(gate.faults().transforms, 1U);
 }
 
+TEST(MeasurementGate, AVelocityIsLeftOutWhereItSaysNothing) {
+  MeasurementGate gate;
+  BodyVelocity velocity{.linear = {1.0, kNotANumber, kNotANumber}};
+  EXPECT_TRUE(gate.pass(velocity)) << "an axis that is not measured is no fault";
+  velocity.linear.setConstant(kNotANumber);
+  EXPECT_FALSE(gate.pass(velocity));
+  velocity.linear = {1.0, kInfinite, 0.0};
+  EXPECT_FALSE(gate.pass(velocity));
+  EXPECT_EQ(gate.faults().velocities, 3U);
+  EXPECT_EQ(gate.faults().velocities_left_out, 2U);
+}
+
+TEST(MeasurementGate, ACovarianceOfAVelocityThatNoneCanBeIsNotUsed) {
+  MeasurementGate gate;
+  const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d lopsided = identity;
+  lopsided(0, 1) = 0.5;
+  for (const Eigen::Matrix3d& bad : {Eigen::Matrix3d(-identity), Eigen::Matrix3d(0.0 * identity),
+                                     Eigen::Matrix3d(kNotANumber * identity), lopsided}) {
+    const auto passed = gate.pass(BodyVelocity{.covariance = bad});
+    ASSERT_TRUE(passed);
+    EXPECT_FALSE(std::get<BodyVelocity>(*passed).covariance);
+  }
+  const auto good = gate.pass(BodyVelocity{.covariance = 0.01 * identity});
+  EXPECT_TRUE(std::get<BodyVelocity>(*good).covariance);
+  EXPECT_EQ(gate.faults().velocities_without_covariance, 4U);
+}
+
 }  // namespace
 }  // namespace adit

@@ -26,7 +26,8 @@ StateVector start_sigma() {
   StateVector sigma;
   sigma << Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(0.01),
       Eigen::Vector3d::Constant(0.1), Eigen::Vector3d::Constant(0.02),
-      Eigen::Vector3d::Constant(0.1), Eigen::Vector2d::Constant(0.02);
+      Eigen::Vector3d::Constant(0.1), Eigen::Vector2d::Constant(0.02),
+      Eigen::Vector3d::Constant(0.05);
   return sigma;
 }
 

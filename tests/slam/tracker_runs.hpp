@@ -109,18 +109,28 @@ struct SweepFault {
   std::function<bool(int)> unaligned{};  ///< it was empty, or matched nothing
 };
 
+/// What a sensor of velocities at the IMU, in its axes, reads at a time (s), where the body's
+/// velocity is so much (m/s, body axes). Empty: there is none.
+using VelocityReading = std::function<Eigen::Vector3d(double, const Eigen::Vector3d&)>;
+inline constexpr double kVelocityRate = 50.0;  // Hz
+
+inline VelocityConfig velocity_config() {
+  return {.T_lidar_sensor = numbers_of(T_body_lidar().inverse())};
+}
+
 /// Ten seconds by hand, alignments good to 2 mm and 0.3 mrad.
 inline Outcome run_tracker(const Fault& fault, double duration = 10.0,
                            const ImuConfig& imu = tracker_config(),
                            const WavyMotion& motion = hand_held_motion(),
-                           const SweepFault& sweeps = {}) {
+                           const SweepFault& sweeps = {}, const VelocityReading& velocity = {}) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   std::vector<ImuSample> samples = readings(motion, -0.1, duration + 0.2, kRate, kBias);
   add_noise(samples, {.gyro = 5e-4, .accel = 5e-3}, kRate, random);
   fault(samples);
 
-  InertialTracker tracker(imu);
+  InertialTracker tracker(imu, 0.0, velocity_config());
+  int measured = 0;
   MotionModel steady;
   Outcome outcome;
   size_t fed = 0;
@@ -128,6 +138,14 @@ inline Outcome run_tracker(const Fault& fault, double duration = 10.0,
     const double time = kSweep * i + (sweeps.delay ? sweeps.delay(i) : 0.0);
     for (; fed < samples.size() && samples[fed].stamp <= at_seconds(time + kSweep); ++fed) {
       tracker.add(samples[fed]);
+    }
+    for (; velocity && measured / kVelocityRate <= time + kSweep; ++measured) {
+      const double when = measured / kVelocityRate;
+      const NavState then = motion.state(when);
+      tracker.add(
+          {.stamp = at_seconds(when),
+           .linear = velocity(when, then.T_map_body.linear().transpose() * then.v_map_body)},
+          VelocitySource::sensor);
     }
     const Nanoseconds stamp = at_seconds(time);
     const Eigen::Isometry3d truth = motion.state(time).T_map_body * T_body_lidar();

@@ -23,6 +23,12 @@ std::vector<std::string> describe(const MeasurementFaults& faults) {
   add(faults.fixes_without_covariance, of_fixes(faults.fixes_without_covariance) +
                                            " have a covariance that is not finite or negative; the "
                                            "usual one of their kind was used");
+  add(faults.velocities_left_out,
+      fmt::format("{} of {} velocities are infinite or not measured, and were left out",
+                  faults.velocities_left_out, faults.velocities));
+  add(faults.velocities_without_covariance,
+      fmt::format("{} of {} velocities have a covariance that none can be; velocity.sigma was used",
+                  faults.velocities_without_covariance, faults.velocities));
   add(faults.intensities,
       fmt::format("the intensity of {} points is not finite; 0 was used", faults.intensities));
   add(faults.times, fmt::format("the time of {} points is not finite or beyond an hour; these "
@@ -37,6 +43,8 @@ nlohmann::ordered_json to_json(const MeasurementFaults& faults) {
   return {{"fixes_left_out", faults.fixes_left_out},
           {"fixes_without_height", faults.fixes_without_height},
           {"fixes_without_covariance", faults.fixes_without_covariance},
+          {"velocities_left_out", faults.velocities_left_out},
+          {"velocities_without_covariance", faults.velocities_without_covariance},
           {"point_intensities", faults.intensities},
           {"point_times", faults.times},
           {"static_transforms", faults.transforms}};

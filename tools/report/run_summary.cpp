@@ -204,6 +204,9 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
     json["imu"] = statistics.inertial().to_json();
     json["imu"]["host_ms"] = describe_stage(statistics.inertial_stage());
   }
+  if (statistics.velocity().any()) {
+    json["velocity"] = statistics.velocity().to_json();
+  }
   if (outcome.result.map) {
     json["map"] = describe_map(*outcome.result.map);
   }

@@ -221,6 +221,9 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   if (statistics.inertial().any()) {
     text += "imu      " + as_rows(inertial_text(statistics)) + "\n";
   }
+  for (const std::string& line : statistics.velocity().text()) {
+    text += "velocity " + as_rows(line) + "\n";
+  }
   text += fmt::format("voxels   one point per {:.3g} m, submap {:.3g} m, returns within {:.3g} m\n",
                       run.config.preprocess.r_input, run.config.registration.r_align,
                       run.config.preprocess.c_max);

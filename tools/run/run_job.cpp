@@ -378,6 +378,7 @@ MappedRun map(const RunCommandOptions& options, const PreparedRun& run, JobOutpu
                   .path = options.recording,
                   .imu_topic = run.sensors.imu,
                   .gnss_topic = run.gnss,
+                  .velocity_topic = run.sensors.velocity,
                   .slam = *slam,
                   .stop = [&] { return !run.source.ends_by_itself && StopSignal::received() != 0; },
                   .damaged = damaged,

@@ -152,7 +152,7 @@ void write_results(const Mapping& mapping, Mapped& done) {
 
 /// Sensors besides the range sensor.
 bool has_others(const Mapping& mapping) {
-  return mapping.imu_topic || mapping.gnss_topic;
+  return mapping.imu_topic || mapping.gnss_topic || mapping.velocity_topic;
 }
 
 void add(const Mapping& mapping, Event event, Mapped& done) {
@@ -183,6 +183,8 @@ void add(const Mapping& mapping, Event event, Mapped& done) {
     mapping.slam.add(*reading, event.frame);
   } else if (const auto* fix = std::get_if<GnssFix>(&event.value)) {
     mapping.slam.add(*fix, event.frame);
+  } else if (const auto* velocity = std::get_if<BodyVelocity>(&event.value)) {
+    mapping.slam.add(*velocity, event.frame);
   }
 }
 
@@ -190,8 +192,9 @@ std::unique_ptr<EventStream> open_events(const Mapping& mapping) {
   if (!has_others(mapping)) {
     return mapping.recording.events({.topics = {mapping.topic}, .skip = mapping.range.first});
   }
-  EventSelection selection{.topics = {mapping.topic}};
-  for (const std::optional<std::size_t>& other : {mapping.imu_topic, mapping.gnss_topic}) {
+  EventSelection selection{.topics = {mapping.topic}, .velocities_of = mapping.velocity_topic};
+  for (const std::optional<std::size_t>& other :
+       {mapping.imu_topic, mapping.gnss_topic, mapping.velocity_topic}) {
     if (other) {
       selection.topics.push_back(*other);
     }

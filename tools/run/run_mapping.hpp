@@ -32,9 +32,10 @@ struct Mapping {
   const Recording& recording;
   std::size_t topic;  ///< index of the sweeps' topic
   SweepRange range;
-  std::filesystem::path path{};             ///< of the recording, for messages to people
-  std::optional<std::size_t> imu_topic{};   ///< none: there is none, or it is not used
-  std::optional<std::size_t> gnss_topic{};  ///< likewise
+  std::filesystem::path path{};                 ///< of the recording, for messages to people
+  std::optional<std::size_t> imu_topic{};       ///< none: there is none, or it is not used
+  std::optional<std::size_t> gnss_topic{};      ///< likewise
+  std::optional<std::size_t> velocity_topic{};  ///< likewise
   Slam& slam;
   std::function<bool()> stop;  ///< asked before each event is taken
   /// Gets what is damaged, and the run goes on behind it; empty: damage ends the run.

@@ -24,6 +24,8 @@ struct PassedOver {
 struct RecordedSensors {
   std::optional<std::size_t> imu{};   ///< its topic; none: there is none, or imu.use is off
   std::optional<std::size_t> gnss{};  ///< likewise, with gnss.use
+  /// recording.velocity_topic; none: it names none, or velocity.use is off.
+  std::optional<std::size_t> velocity{};
   /// By topic: the frame whose messages are used, of the sweeps, too; empty names are left out.
   std::map<std::size_t, std::string> frames{};
   RecordedTransforms transforms{};

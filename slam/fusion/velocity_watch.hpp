@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+
+#include "adit/slam/fusion/graph_estimate.hpp"
+#include "adit/slam/inertial/measured_way.hpp"
+
+namespace adit {
+
+/// What a sensor of velocities measured between two sweeps, against what was predicted there.
+struct VelocityInnovation {
+  Eigen::Vector3d measured = Eigen::Vector3d::Zero();   ///< mean velocity as it was read, body axes
+  Eigen::Vector3d predicted = Eigen::Vector3d::Zero();  ///< of the sensor, body axes, m/s
+  Eigen::Vector3d error = Eigen::Vector3d::Zero();      ///< prediction from calibrated reading, m/s
+  double sigma = 0.0;                                   ///< m/s, of what was read, on its best axis
+  double nis = 0.0;  ///< normalised, squared: chi squared with three degrees of freedom
+};
+
+/// `from`: the state before; `prediction`: where the readings of the inertial sensor lead.
+VelocityInnovation innovation(const MeasuredWay& measured, const NavState& from,
+                              const StateEstimate& prediction);
+
+/// The turn and the scale that make the most of what a sensor of velocities reads.
+struct VelocityComparison {
+  double speed = 0.0;           ///< m/s, root mean square of what was predicted
+  double measured_speed = 0.0;  ///< m/s, the same of what was read
+  double scale = 0.0;           ///< by which readings are multiplied for the best fit
+  double turn = 0.0;            ///< rad, by which the direction that most go in is turned for that
+  double left = 0.0;            ///< m/s, root mean square of what remains then
+};
+
+/// What a sweep reports of a sensor of velocities.
+struct VelocityReport {
+  VelocitySource source = VelocitySource::sensor;
+  VelocityInnovation innovation;  ///< of the way since the last sweep
+  bool refused = false;           ///< it is not this body's velocity, and was not fused
+  std::optional<VelocityComparison> comparison{};  ///< of the last seconds of motion
+};
+
+/// Judges a sensor of velocities by its innovations while the body moves: how much worse than it
+/// says it is, and whether it measures this body's velocity at all.
+class VelocityWatch {
+ public:
+  /// `scale_sigma`: VelocityConfig::scale_sigma.
+  explicit VelocityWatch(double scale_sigma) : scale_sigma_(scale_sigma) {}
+
+  /// Judges the way, and gives it the covariance that its source has earned.
+  VelocityReport judge(MeasuredWay& measured, const NavState& from,
+                       const StateEstimate& prediction);
+
+ private:
+  void note(const VelocityInnovation& innovation);
+  /// What the variances that are promised are to be multiplied by, at least 1.
+  double variance_scale() const;
+  /// The last innovations are neither noise nor an error of scale or mounting that is estimated.
+  bool contradicted() const;
+  /// Of the last innovations; nothing where there are too few.
+  std::optional<VelocityComparison> comparison() const;
+
+  double scale_sigma_;
+  std::deque<VelocityInnovation> moving_;
+};
+
+}  // namespace adit

@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/report/velocity_statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "adit/slam/core/units.hpp"
+
+namespace adit {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr double kStandsStill = 0.1;  // share of the speed
+constexpr double kOpposite = 0.9 * std::numbers::pi;
+constexpr double kTurned = 0.25;         // rad; a mounting that is off by less is estimated
+constexpr double kWellExplained = 0.25;  // share of the speed that remains at most
+constexpr double kKilometresAnHour = 1.0 / 3.6;
+
+constexpr std::array kSources = {VelocitySource::sensor, VelocitySource::doppler};
+
+}  // namespace
+
+std::string describe(const VelocityComparison& found) {
+  if (found.measured_speed < kStandsStill * found.speed) {
+    return fmt::format("it stays near zero ({:.2f} m/s) while the sensor moves at {:.2f} m/s",
+                       found.measured_speed, found.speed);
+  }
+  if (found.left > kWellExplained * found.speed) {
+    return fmt::format(
+        "{:.2f} of {:.2f} m/s remain whatever its scale and mounting: is it late "
+        "(velocity.time_offset), or not of this body?",
+        found.left, found.speed);
+  }
+  if (found.turn > kOpposite) {
+    return "it has the opposite sign (velocity.T_lidar_sensor)";
+  }
+  if (found.turn > kTurned) {
+    return fmt::format(
+        "its axes are turned by {:.0f} degrees: is its mounting right (velocity.T_lidar_sensor)?",
+        kDegreesPerRadian * found.turn);
+  }
+  const bool in_kilometres = std::abs(found.scale / kKilometresAnHour - 1.0) < 0.1;
+  return fmt::format("it reads {:.2f} times the velocity{}", 1.0 / found.scale,
+                     in_kilometres ? ": is it in km/h?" : "");
+}
+
+void VelocityStatistics::add(const SweepResult& result) {
+  for (const VelocityReport& report : result.inertial.velocities) {
+    Source& source = sources_[static_cast<std::size_t>(report.source)];
+    ++source.sweeps;
+    if (report.refused) {
+      ++source.refused;
+      source.contradiction = report.comparison;
+    } else {
+      source.nis += report.innovation.nis;
+    }
+  }
+  moving_points_ += static_cast<std::size_t>(result.moving_points);
+  if (result.inertial.nav) {
+    calibration_ = result.inertial.nav->velocity;
+    calibration_sigma_ =
+        result.inertial.nav_covariance.diagonal().segment<3>(kScaleAt).cwiseMax(0.0).cwiseSqrt();
+  }
+}
+
+bool VelocityStatistics::any() const {
+  return std::ranges::any_of(sources_, [](const Source& one) { return one.sweeps > 0; });
+}
+
+std::vector<VelocitySource> VelocityStatistics::refused() const {
+  std::vector<VelocitySource> result;
+  for (const VelocitySource which : kSources) {
+    if (2 * source(which).refused > source(which).sweeps) {
+      result.push_back(which);
+    }
+  }
+  return result;
+}
+
+ordered_json VelocityStatistics::to_json() const {
+  ordered_json json = ordered_json::object();
+  for (const VelocitySource which : kSources) {
+    const Source& one = source(which);
+    if (one.sweeps == 0) {
+      continue;
+    }
+    const std::size_t used = one.sweeps - one.refused;
+    ordered_json& of = json[std::string(to_string(which))];
+    of = {{"sweeps", one.sweeps},
+          {"refused", one.refused},
+          {"innovation_squared_per_degree",
+           used > 0 ? ordered_json(one.nis / (3.0 * static_cast<double>(used))) : ordered_json()},
+          {"why_refused",
+           one.contradiction ? ordered_json(describe(*one.contradiction)) : ordered_json()}};
+    if (which == VelocitySource::sensor) {
+      of["scale"] = 1.0 + calibration_.scale;
+      of["scale_sigma"] = calibration_sigma_[0];
+      of["turn_rad"] = {calibration_.turn[0], calibration_.turn[1]};
+      of["turn_sigma_rad"] = {calibration_sigma_[1], calibration_sigma_[2]};
+    } else {
+      of["moving_points"] = moving_points_;
+    }
+  }
+  return json;
+}
+
+std::vector<std::string> VelocityStatistics::text() const {
+  std::vector<std::string> lines;
+  for (const VelocitySource which : kSources) {
+    const Source& one = source(which);
+    if (one.sweeps == 0) {
+      continue;
+    }
+    std::string line = which == VelocitySource::sensor ? "sensor: " : "Doppler: ";
+    line += fmt::format("{} of {} sweeps fused", one.sweeps - one.refused, one.sweeps);
+    if (which == VelocitySource::sensor && one.refused < one.sweeps) {
+      line += fmt::format(", scale {:.3f} (+- {:.3f}), turned by {:.1f} and {:.1f} degrees",
+                          1.0 + calibration_.scale, 2.0 * calibration_sigma_[0],
+                          kDegreesPerRadian * calibration_.turn[0],
+                          kDegreesPerRadian * calibration_.turn[1]);
+    }
+    if (moving_points_ > 0 && which == VelocitySource::doppler) {
+      line += fmt::format(", {} moving points left out", moving_points_);
+    }
+    if (one.contradiction) {
+      line += "; refused: " + describe(*one.contradiction);
+    }
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+}  // namespace adit

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a run tells of its sensors of velocities.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "adit/slam/odometry/odometry.hpp"
+
+namespace adit {
+
+/// What is wrong with a sensor whose velocities are not the body's, a clause for people.
+std::string describe(const VelocityComparison& comparison);
+
+/// Adds up sweeps.
+class VelocityStatistics {
+ public:
+  void add(const SweepResult& result);
+
+  bool any() const;
+  /// Sources that were refused in more than half of the sweeps that they measured.
+  std::vector<VelocitySource> refused() const;
+
+  /// The "velocity" of summary.json.
+  nlohmann::ordered_json to_json() const;
+  /// A line for people for each source, without their ends.
+  std::vector<std::string> text() const;
+
+ private:
+  struct Source {
+    std::size_t sweeps = 0;   ///< whose way from the sweep before it was measured
+    std::size_t refused = 0;  ///< of them
+    double nis = 0.0;         ///< sum over those that were not
+    std::optional<VelocityComparison> contradiction{};  ///< the last of a refused way
+  };
+  const Source& source(VelocitySource which) const {
+    return sources_[static_cast<std::size_t>(which)];
+  }
+
+  std::array<Source, kVelocitySources> sources_{};
+  VelocityCalibration calibration_{};
+  Eigen::Vector3d calibration_sigma_ = Eigen::Vector3d::Zero();  ///< scale, turn
+  std::size_t moving_points_ = 0;
+};
+
+}  // namespace adit
