@@ -56,6 +56,15 @@ bool is_carried(const DoubtfulStretch& stretch) {
   return stretch.cause == DoubtCause::unheld && stretch.alone < kMoved;
 }
 
+/// By a sensor of velocities whose scale is known to that share, along what no match holds.
+bool is_way_measured(const InertialReport& report) {
+  return std::ranges::any_of(report.velocities, [&](const VelocityReport& velocity) {
+    return !velocity.refused &&
+           (velocity.source == VelocitySource::doppler ||
+            report.nav_covariance(kScaleAt, kScaleAt) < kCarriedShare * kCarriedShare);
+  });
+}
+
 }  // namespace
 
 std::string_view to_string(Trust trust) {
@@ -109,9 +118,10 @@ void RunAssessor::add(const SweepResult& result) {
     // Turns are held by an inertial sensor itself.
     const bool vague =
         !seen.inertial && is_vague(alignment.translation[0], result.uncertainty.local);
-    seen.unheld = vague || is_unheld(alignment.translation[0]) ||
-                  (!seen.inertial && is_unheld(alignment.rotation[0]));
-    if (vague || is_unheld(alignment.translation[0])) {
+    const bool slides =
+        vague || (is_unheld(alignment.translation[0]) && !is_way_measured(result.inertial));
+    seen.unheld = slides || (!seen.inertial && is_unheld(alignment.rotation[0]));
+    if (slides) {
       seen.direction = result.T_map_lidar.linear() * alignment.translation[0].axis;
     }
   }
