@@ -39,6 +39,14 @@ std::vector<Recorded> small_drive() {
   for (int i = 0; i < 4 * kSweeps; ++i) {
     const Nanoseconds stamp = at(0.025 * i);
     events.push_back({"/odom", stamp, ReferencePose{stamp, "map", "lidar", rig.pose(0.025 * i)}});
+    const Eigen::Vector3d moved =
+        rig.pose(0.025 * i + 0.01).translation() - rig.pose(0.025 * i - 0.01).translation();
+    events.push_back(
+        {"/wheels", stamp,
+         BodyVelocity{.stamp = stamp,
+                      .linear = rig.pose(0.025 * i).linear().transpose() * moved / 0.02,
+                      .covariance = 0.0025 * Eigen::Matrix3d::Identity(),
+                      .frame = "lidar"}});
   }
   std::ranges::stable_sort(events, {}, &Recorded::received);
   return events;

@@ -61,11 +61,13 @@ void damage(Sweep& sweep, Dice& dice) {
       sweep.points.clear();
       sweep.times.clear();
       sweep.rings.clear();
+      sweep.doppler.clear();
       break;
     case 1:
       sweep.points.resize(1);
       sweep.times.resize(std::min<std::size_t>(1, sweep.times.size()));
       sweep.rings.resize(std::min<std::size_t>(1, sweep.rings.size()));
+      sweep.doppler.resize(std::min<std::size_t>(1, sweep.doppler.size()));
       break;
     case 2:
       std::ranges::fill(sweep.points, any());
@@ -115,6 +117,16 @@ void damage(ImuSample& sample, Dice& dice) {
 void damage(GnssFix& fix, Dice& dice) {
   (dice.one_in(2) ? fix.latitude : fix.altitude) = number(dice);
   fix.covariance = Eigen::Matrix3d::Constant(number(dice));
+}
+
+void damage(BodyVelocity& velocity, Dice& dice) {
+  if (dice.one_in(3)) {
+    velocity.stamp = stamp(velocity.stamp, dice);
+  } else if (dice.one_in(2)) {
+    velocity.linear(static_cast<Eigen::Index>(dice.below(3))) = number(dice);
+  } else {
+    velocity.covariance = Eigen::Matrix3d::Constant(number(dice));
+  }
 }
 
 void damage(StaticTransform& transform, Dice& dice) {

@@ -71,6 +71,12 @@ def test_measurements():
         adit.Sweep(CLOUD, rings=[1])
     fix = adit.GnssFix(7, 47.0, 8.0, 500.0, np.eye(3), kind="single", frame="gnss")
     assert (fix.stamp, fix.kind, fix.frame, fix.topic, fix.received) == (7, "single", "gnss", "", None)
+    velocity = adit.BodyVelocity(9, [1.0, 0.0, float("nan")], 0.01 * np.eye(3), frame="wheels")
+    assert (velocity.stamp, velocity.frame, velocity.topic) == (9, "wheels", "") and velocity.linear[0] == 1.0
+    assert np.array_equal(velocity.covariance, 0.01 * np.eye(3)) and np.isnan(velocity.linear[2])
+    assert adit.BodyVelocity(9, [1.0, 0.0, 0.0]).covariance is None
+    with pytest.raises(ValueError, match=r"covariance: has the shape \(3,\), not \(3, 3\)"):
+        adit.BodyVelocity(0, [1.0, 0.0, 0.0], np.ones(3))
     sweep = adit.Sweep(CLOUD, np.linspace(0.0, 0.1, 2000), stamp=5, rings=[1] * 2000)
     assert len(sweep) == 2000 and np.array_equal(sweep.points, CLOUD) and sweep.rings[5] == 1
 

@@ -153,27 +153,29 @@ class Corpus {
   /// The first byte: twice the type's place in fuzz_messages.cpp, and one for ROS 2.
   void add_messages() {
     for (const Encoding encoding : {Encoding::ros1, Encoding::cdr}) {
-      char type = 0;
-      const auto add_one = [&](const auto& message) {
+      const auto add_one = [&](char type, const auto& message, const std::string& variant = "") {
         const char head = static_cast<char>(2 * type + (encoding == Encoding::cdr ? 1 : 0));
-        add("messages", "ros", std::to_string(int{head}),
+        add("messages", "ros", std::to_string(int{head}) + variant,
             head + text_of(ros::encode(encoding, message)));
-        ++type;
       };
-      add_one(cloud_message(1).message);
-      add_one(imu_message(1));
-      add_one(fix_message(1));
-      add_one(odometry_message(1));
-      add_one(pose_message(1));
-      add_one(ros::TFMessage{{transform_message(1, "lidar"), transform_message(1, "imu")}});
+      add_one(0, cloud_message(1).message);
+      add_one(1, imu_message(1));
+      add_one(2, fix_message(1));
+      add_one(3, odometry_message(1));
+      add_one(4, pose_message(1));
+      add_one(5, ros::TFMessage{{transform_message(1, "lidar"), transform_message(1, "imu")}});
       ros::TransformStamped zero = transform_message(1, "camera");
       zero.rotation = {0.0, 0.0, 0.0, 0.0};
-      add_one(ros::TFMessage{{transform_message(1, "base_link"), transform_message(1, ""), zero,
-                              transform_message(1, "/lidar")}});
-      add_one(livox_message(1));
-      add_one(depth_image_message(1).message);
-      add_one(camera_info_message(1));
-      add_one(velodyne_message(1, 2));
+      add_one(5,
+              ros::TFMessage{{transform_message(1, "base_link"), transform_message(1, ""), zero,
+                              transform_message(1, "/lidar")}},
+              "_damaged");
+      add_one(6, livox_message(1));
+      add_one(7, depth_image_message(1).message);
+      add_one(8, camera_info_message(1));
+      add_one(9, velodyne_message(1, 2));
+      add_one(10, twist_message(1));
+      add_one(11, twist_with_covariance_message(1));
     }
   }
 

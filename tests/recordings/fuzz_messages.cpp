@@ -38,6 +38,9 @@ void feed(Encoding encoding, std::span<const std::byte> bytes) {
     adit::ros::to_events(
         channel, {0, adit::Nanoseconds(1), bytes, 0}, "input",
         {.coordinate_scale = bytes.size() % 2 == 0 ? std::optional(0.001) : std::nullopt}, &camera);
+    if constexpr (std::is_same_v<Message, adit::ros::Odometry>) {
+      adit::ros::to_velocity(channel, {0, adit::Nanoseconds(1), bytes, 0});
+    }
     if constexpr (std::is_same_v<Message, adit::ros::CameraInfo>) {
       const adit::CameraModel model = adit::ros::to_camera(message, false);
       if (model.width * model.height < 4096) {  // a real camera's millions take their time
@@ -70,9 +73,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
   }
   using namespace adit::ros;
   constexpr void (*kFeeds[])(Encoding, std::span<const std::byte>) = {
-      feed<PointCloud2>, feed<Imu>,         feed<NavSatFix>,      feed<Odometry>,
-      feed<PoseStamped>, feed<TFMessage>,   feed<LivoxCustomMsg>, feed<Image>,
-      feed<CameraInfo>,  feed<VelodyneScan>};
+      feed<PointCloud2>,    feed<Imu>,          feed<NavSatFix>,
+      feed<Odometry>,       feed<PoseStamped>,  feed<TFMessage>,
+      feed<LivoxCustomMsg>, feed<Image>,        feed<CameraInfo>,
+      feed<VelodyneScan>,   feed<TwistStamped>, feed<TwistWithCovarianceStamped>};
   const std::size_t type = (data[0] / 2U) % std::size(kFeeds);
   kFeeds[type](data[0] % 2 == 0 ? Encoding::ros1 : Encoding::cdr,
                std::as_bytes(std::span(data + 1, size - 1)));

@@ -56,7 +56,8 @@ inline void require_valid(const Sweep& sweep) {
   const std::size_t n = sweep.points.size();
   bool valid = sweep.offset.cwiseAbs().maxCoeff() <= 1e8;
   valid = valid && (sweep.times.empty() || sweep.times.size() == n) &&
-          (sweep.rings.empty() || sweep.rings.size() == n);
+          (sweep.rings.empty() || sweep.rings.size() == n) &&
+          (sweep.doppler.empty() || sweep.doppler.size() == n);
   for (const float time : sweep.times) {
     valid = valid && time >= 0.0F && time <= 10.0F;
   }

@@ -86,6 +86,20 @@ inline ros::Odometry odometry_message(uint32_t i) {
   return odometry;
 }
 
+inline ros::TwistStamped twist_message(uint32_t i) {
+  return {.header = header(i, "radar"), .twist = {{1.5, -0.25, 0.125 * i}, {0.0, 0.0, 0.5}}};
+}
+
+inline ros::TwistWithCovarianceStamped twist_with_covariance_message(uint32_t i) {
+  ros::TwistWithCovarianceStamped twist;
+  twist.header = header(i, "wheels");
+  twist.twist = {{2.0, 0.0, 0.0625 * i}, {0.0, 0.0, -0.5}};
+  for (std::size_t k = 0; k < twist.covariance.size(); ++k) {
+    twist.covariance[k] = k % 7 == 0 ? 0.01 + 0.01 * static_cast<double>(k) : 0.001;
+  }
+  return twist;
+}
+
 inline ros::PoseStamped pose_message(uint32_t i) {
   return {.header = header(i, "map"), .pose = {{1.0, 2.0, 0.25 * i}, {0.5, 0.5, 0.5, 0.5}}};
 }

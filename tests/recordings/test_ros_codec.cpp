@@ -43,6 +43,8 @@ void for_each_message(Check&& check) {
   check(test::depth_image_message(10).message);
   check(test::camera_info_message(11));
   check(test::velodyne_message(12, 2));
+  check(test::twist_message(13));
+  check(test::twist_with_covariance_message(14));
 }
 
 TEST(RosCodec, EveryMessageIsReadAsItWasWritten) {

@@ -179,6 +179,81 @@ TEST(SensorTopics, AReceiverWithoutAFixIsPassedOver) {
             "/indoors is not used: its first 50 messages have no fix");
 }
 
+Event velocity_event(std::size_t topic, int ms, const char* frame) {
+  const Nanoseconds at = std::chrono::milliseconds(ms);
+  return {.topic = topic,
+          .received = at,
+          .value = BodyVelocity{.stamp = at, .linear = {1.0, 0.0, 0.0}, .frame = frame},
+          .bytes = 100,
+          .frame = frame};
+}
+
+/// Sweeps, wheels, odometry with a twist, poses without one.
+GivenRecording with_velocities() {
+  std::vector<Event> events =
+      events_of({[](int i) { return velocity_event(1, 20 * i, "wheels"); },
+                 [](int i) { return velocity_event(2, 20 * i, "base"); },
+                 [](int i) { return pose_event(3, 20 * i, "map", "base", 0.1 * i); }});
+  events.insert(events.begin(), transform_event(4, 0, "base", "lidar"));
+  events.insert(events.begin(), transform_event(4, 0, "base", "wheels"));
+  return {{kPoints,
+           {"/wheels", "geometry_msgs/TwistWithCovarianceStamped", TopicKind::velocities, 100},
+           {"/odom", "nav_msgs/Odometry", TopicKind::poses, 100},
+           {"/pose", "geometry_msgs/PoseStamped", TopicKind::poses, 100},
+           kStatic,
+           {"/radar", "geometry_msgs/TwistStamped", TopicKind::velocities, 0}},
+          std::move(events)};
+}
+
+TEST(SensorTopics, VelocitiesAreUsedOnlyWhereTheirTopicIsNamed) {
+  const GivenRecording recording = with_velocities();
+  EXPECT_FALSE(choose_sensors(recording, 0, {}).velocity);
+  Config config;
+  config.recording.velocity_topic = "/wheels";
+  const RecordedSensors wheels = choose_sensors(recording, 0, config);
+  EXPECT_EQ(wheels.velocity, 1U);
+  EXPECT_EQ(wheels.frames.at(1), "wheels");
+  EXPECT_TRUE(frame_tree_of(wheels.transforms).transform("lidar", "wheels"));
+  EXPECT_TRUE(wheels.passed_over.empty());
+  config.recording.velocity_topic = "/odom";
+  const RecordedSensors odometry = choose_sensors(recording, 0, config);
+  EXPECT_EQ(odometry.velocity, 2U);
+  EXPECT_EQ(odometry.frames.at(2), "base");
+  config.velocity.use = false;
+  EXPECT_FALSE(choose_sensors(recording, 0, config).velocity);
+}
+
+TEST(SensorTopics, AVelocityTopicWithoutMessagesIsSaid) {
+  Config config;
+  config.recording.velocity_topic = "/radar";
+  const RecordedSensors sensors = choose_sensors(with_velocities(), 0, config);
+  EXPECT_FALSE(sensors.velocity);
+  ASSERT_EQ(sensors.passed_over.size(), 1U);
+  EXPECT_EQ(describe(sensors.passed_over[0]), "/radar is not used: it has no messages");
+}
+
+TEST(SensorTopics, AWrongVelocityTopicIsAnErrorThatNamesThoseThatThereAre) {
+  const auto error_of = [](const Recording& recording, const char* name) -> std::string {
+    Config config;
+    config.recording.velocity_topic = name;
+    try {
+      choose_sensors(recording, 0, config);
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  const GivenRecording recording = with_velocities();
+  EXPECT_EQ(error_of(recording, "/wheel"),
+            "recording.velocity_topic: the recording has no velocities on '/wheel'; it has "
+            "velocities on /wheels, /odom, /radar.");
+  EXPECT_EQ(error_of(recording, "/pose"),
+            "recording.velocity_topic: the recording has no velocities on '/pose', which has "
+            "geometry_msgs/PoseStamped; it has velocities on /wheels, /odom, /radar.");
+  EXPECT_EQ(error_of(GivenRecording({kPoints}, {sweep_event(0, 0, "lidar")}), "/wheels"),
+            "recording.velocity_topic: the recording has no velocities on '/wheels'; it has none.");
+}
+
 TEST(RecordedTransforms, AStaticTransformThatComesLateIsReadWhereItIsNeeded) {
   std::vector<Event> events{transform_event(1, 0, "base", "imu")};
   for (int s = 0; s < 60; ++s) {

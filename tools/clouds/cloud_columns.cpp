@@ -152,6 +152,7 @@ const std::array<std::vector<std::string_view>, kFieldRoles> kNames = {{
     {"nsec", "nsecs", "nanosec", "nanosecs", "nanoseconds", "time_nsec", "t_nsec", "stamp_nsec",
      "timestamp_nsec", "timestamp_nanosec", "time_ns", "t_ns", "timestamp_ns"},
     {"curvature"},
+    {"doppler", "velocity", "v_doppler_mps", "doppler_velocity", "range_rate", "radial_speed"},
 }};
 const std::vector<std::string_view> kSeconds = {"sec",   "secs",       "seconds",       "time_sec",
                                                 "t_sec", "stamp_sec",  "timestamp_sec", "time_s",
@@ -251,9 +252,26 @@ void fill_relative(const CloudColumns& columns, const Eigen::Vector3d& offset,
   }
 }
 
-CloudFile with_rings_and_times(const std::filesystem::path& file, const CloudColumns& columns,
+/// NaN where a point's is no number. Empty where the column has integers.
+std::vector<float> decode_doppler(const Column& column, std::size_t points) {
+  std::vector<float> doppler;
+  if (is_integer(column.written.value_or(column.type))) {
+    return doppler;
+  }
+  doppler.resize(points);
+  for_each_value(column, points, [&](std::size_t i, auto value) {
+    const float speed = to_float(value);
+    doppler[i] = std::isfinite(speed) ? speed : std::numeric_limits<float>::quiet_NaN();
+  });
+  return doppler;
+}
+
+CloudFile with_optional_fields(const std::filesystem::path& file, const CloudColumns& columns,
                                CloudFile cloud) {
   const std::vector<Point>& points = cloud.sweep.points;
+  if (columns[FieldRole::doppler]) {
+    cloud.sweep.doppler = decode_doppler(*columns[FieldRole::doppler], points.size());
+  }
   if (columns[FieldRole::ring]) {
     cloud.sweep.rings.resize(points.size());
     leave_out(file, decode_rings(file, *columns[FieldRole::ring], cloud.sweep.rings), cloud);
@@ -351,7 +369,7 @@ CloudFile decode_cloud(const std::filesystem::path& file, const CloudColumns& co
   fill(FieldRole::intensity, &Point::intensity);
   if (!origin.offset.isZero(0.0)) {
     fill_relative(columns, origin.offset, points);
-    return with_rings_and_times(file, columns, std::move(cloud));
+    return with_optional_fields(file, columns, std::move(cloud));
   }
   fill(FieldRole::x, &Point::x);
   fill(FieldRole::y, &Point::y);
@@ -364,7 +382,7 @@ CloudFile decode_cloud(const std::filesystem::path& file, const CloudColumns& co
       p.z = static_cast<float>(scale * static_cast<double>(p.z));
     }
   }
-  return with_rings_and_times(file, columns, std::move(cloud));
+  return with_optional_fields(file, columns, std::move(cloud));
 }
 
 }  // namespace adit

@@ -35,9 +35,9 @@ struct Column {
 
 /// What a field of a point means, by its name. `nanoseconds` is the part below a second of a
 /// time whose whole seconds are `time`. `curvature` is where some drivers for PCL's normals leave
-/// the time (ms).
-enum class FieldRole { x, y, z, intensity, ring, time, nanoseconds, curvature };
-constexpr std::size_t kFieldRoles = 8;
+/// the time (ms). `doppler` is the radial speed (m/s, positive: going away).
+enum class FieldRole { x, y, z, intensity, ring, time, nanoseconds, curvature, doppler };
+constexpr std::size_t kFieldRoles = 9;
 
 /// How points are to be understood, where their file does not tell.
 struct CloudReading {
@@ -89,7 +89,8 @@ struct CloudFile {
 InputError with_count(const InputError& first, std::size_t count, std::string_view things);
 
 /// Reads the columns. A few points whose ring is no beam number, or whose time cannot be of the
-/// same sweep, become NaN and a fault. Throws InputError (with the point) where many are so or the
+/// same sweep, become NaN and a fault. Radial speeds count where they are float32 or float64: the
+/// step of integers is not known. Throws InputError (with the point) where many are so or the
 /// cloud is small, where coordinates are integers whose scale nothing tells, or where the cloud
 /// lies farther than 16 km from `reading.offset` and has finer coordinates than float32.
 CloudFile decode_cloud(const std::filesystem::path& file, const CloudColumns& columns);

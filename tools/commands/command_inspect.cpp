@@ -111,6 +111,7 @@ ordered_json to_json(const Topic& topic, const TopicStatistics& s) {
     json["with_times"] = s.sweeps.with_times;
     json["duration_s"] = to_json(s.sweeps.duration);
     json["with_rings"] = s.sweeps.with_rings;
+    json["with_doppler"] = s.sweeps.with_doppler;
     if (s.point_times) {
       json["point_times"] = {{"field", s.point_times->field},
                              {"unit_s", s.point_times->unit},
@@ -129,6 +130,10 @@ ordered_json to_json(const Topic& topic, const TopicStatistics& s) {
            {"gyroscope_rad_s", {rest.gyro_bias.x(), rest.gyro_bias.y(), rest.gyro_bias.z()}},
            {"acceleration", {up.x(), up.y(), up.z()}}});
     }
+  }
+  if (s.velocities.speed.count > 0) {
+    json["speed_m_s"] = to_json(s.velocities.speed);
+    json["without_covariance"] = s.velocities.without_covariance;
   }
   return json;
 }

@@ -37,7 +37,7 @@ std::string frames_text(const TopicStatistics& statistics) {
 std::string setting_of_frame(TopicKind kind) {
   return kind == TopicKind::sweeps ? "recording.sweep_frame chooses another"
          : kind == TopicKind::imu  ? "recording.imu_frame chooses another"
-                                   : "Record each receiver on a topic of its own";
+                                   : "Record each sensor on a topic of its own";
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ std::vector<Finding> find_in_transforms(const Inspection& inspection) {
   };
   const std::string lidar = frame_of(*inspection.sweeps);
   for (const std::optional<std::size_t>& topic :
-       {inspection.sensors.imu, inspection.sensors.gnss}) {
+       {inspection.sensors.imu, inspection.sensors.gnss, inspection.sensors.velocity}) {
     const std::string frame = topic ? frame_of(*topic) : "";
     const auto conflict =
         lidar.empty() || frame.empty() ? std::nullopt : inspection.frames.conflict(frame, lidar);
@@ -101,7 +101,8 @@ std::vector<Finding> find_in_transforms(const Inspection& inspection) {
                           describe(*conflict, "'" + frame + "' on '" + lidar + "'"),
                           "a run uses the shortest chain of transforms, and the latest of equals; "
                           "if that is wrong, mapping with this sensor fails",
-                          "Correct the transforms, or set imu.T_imu_lidar or gnss.antenna"});
+                          "Correct the transforms, or set imu.T_imu_lidar, gnss.antenna or "
+                          "velocity.T_lidar_sensor"});
     }
   }
   return findings;

@@ -92,7 +92,8 @@ std::vector<Finding> find_clock_drift(const std::vector<Topic>& topics,
   const auto reference = clock_trend(statistics[*range].timeline);
   for (std::size_t i = 0; i < topics.size() && reference; ++i) {
     const bool sensor = topics[i].kind == TopicKind::imu || topics[i].kind == TopicKind::sweeps ||
-                        topics[i].kind == TopicKind::gnss;
+                        topics[i].kind == TopicKind::gnss ||
+                        topics[i].kind == TopicKind::velocities;
     const auto trend = sensor ? clock_trend(statistics[i].timeline) : std::nullopt;
     if (!trend) {
       continue;

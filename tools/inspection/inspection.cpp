@@ -46,6 +46,7 @@ void choose_topics(const Recording& recording, const std::filesystem::path& path
   };
   forget_unknown(config.recording.imu_topic);
   forget_unknown(config.recording.gnss_topic);
+  forget_unknown(config.recording.velocity_topic);
   try {
     result.sweeps = sweep_topic(recording, path, config.recording.sweep_topic);
   } catch (const InputError&) {
@@ -65,7 +66,7 @@ void choose_topics(const Recording& recording, const std::filesystem::path& path
 Profiles read_all(const Recording& recording, Inspection& result) {
   Profiles profiles;
   uint64_t errors = 0;
-  const auto events = recording.events({});
+  const auto events = recording.events({.velocities_of = result.sensors.velocity});
   for (bool more = true; more;) {
     try {
       const std::optional<Event> event = events->next();
@@ -158,11 +159,14 @@ void compare_motion(const Recording& recording, const std::vector<MotionPair>& p
   }
 }
 
-/// By topic: a run does not pass over it.
+/// By topic: a run does not pass over it. Velocities are used only where a setting names them.
 std::vector<bool> used_topics(const Inspection& inspection) {
   std::vector<bool> used;
-  for (const Topic& topic : inspection.topics) {
-    used.push_back(std::ranges::find(inspection.sensors.passed_over, topic.name,
+  for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
+    const Topic& topic = inspection.topics[i];
+    const bool unnamed = topic.kind == TopicKind::velocities && inspection.sensors.velocity != i;
+    used.push_back(!unnamed &&
+                   std::ranges::find(inspection.sensors.passed_over, topic.name,
                                      &PassedOver::topic) == inspection.sensors.passed_over.end());
   }
   return used;

@@ -38,17 +38,17 @@ struct StampsHandled {
 
 StampsHandled handled_stamps(const Topic& topic, const StampStatistics& s) {
   const bool imu = topic.kind == TopicKind::imu;
-  return {
-      .repeats = (imu || topic.kind == TopicKind::gnss) && 2 * s.repeated <= s.events,
-      .order = imu && s.farthest_back < kSorted,
-      .gaps = topic.kind == TopicKind::gnss || (imu && s.largest_interval <= ImuConfig{}.max_gap)};
+  return {.repeats = (imu || topic.kind == TopicKind::gnss) && 2 * s.repeated <= s.events,
+          .order = imu && s.farthest_back < kSorted,
+          .gaps = topic.kind == TopicKind::gnss || topic.kind == TopicKind::velocities ||
+                  (imu && s.largest_interval <= ImuConfig{}.max_gap)};
 }
 
 /// Checks one series of a topic, `of_what` for people. Poses are only looked at, not mapped with:
 /// what is odd about their stamps is no problem.
 void check_stamps(const Topic& topic, const TopicStatistics& statistics, const StampStatistics& s,
                   const std::string& of_what, TopicFindings& findings) {
-  const bool poses = topic.kind == TopicKind::poses;
+  const bool poses = topic.kind == TopicKind::poses && statistics.velocities.speed.count == 0;
   const auto add = [&](const char* kind, const std::string& found, bool handled, const char* how,
                        const char* effect, const char* remedy) {
     if (poses) {
@@ -87,8 +87,9 @@ void check_stamps(const Topic& topic, const TopicStatistics& statistics, const S
             with_decimals(s.largest_interval, 3) + " s, where " + with_decimals(s.period(), 4) +
             " s is usual; it starts " + with_decimals(at.count(), 3) + " s after the first",
         handled.gaps,
-        topic.kind == TopicKind::gnss ? "the map continues without fixes meanwhile"
-                                      : "gaps up to imu.max_gap are bridged",
+        topic.kind == TopicKind::gnss         ? "the map continues without fixes meanwhile"
+        : topic.kind == TopicKind::velocities ? "mapping continues without velocities meanwhile"
+                                              : "gaps up to imu.max_gap are bridged",
         "the motion within is guessed", "Check the connection and the recorder's load");
   }
 }
@@ -279,6 +280,27 @@ void check_gnss(const TopicStatistics& topic, TopicFindings& findings) {
   }
 }
 
+void check_velocities(const TopicStatistics& topic, TopicFindings& findings) {
+  const VelocityStatistics& s = topic.velocities;
+  if (s.not_finite > 0) {
+    findings.left_out("not_finite", s.not_finite, topic.events,
+                      of(s.not_finite, topic.events) + " velocities have no finite number",
+                      "Check the driver");
+  }
+  if (s.speed.count > 0 && s.moving == 0) {
+    findings.notice("velocities_zero", "all of its velocities are zero",
+                    "where the sensor moves meanwhile they are wrong",
+                    "Check the driver, or leave recording.velocity_topic unset");
+  }
+  if (s.without_covariance > 0) {
+    findings.notice("no_covariance",
+                    of(s.without_covariance, topic.events) +
+                        " velocities have no covariance, or an impossible one",
+                    "their standard deviation is velocity.sigma",
+                    "Set velocity.sigma to what the source is worth");
+  }
+}
+
 }  // namespace
 
 std::string_view to_string(Severity severity) {
@@ -316,6 +338,8 @@ std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& st
     check_sweeps(statistics, findings);
   } else if (topic.kind == TopicKind::gnss) {
     check_gnss(statistics, findings);
+  } else if (statistics.velocities.speed.count + statistics.velocities.not_finite > 0) {
+    check_velocities(statistics, findings);
   }
   return all;
 }

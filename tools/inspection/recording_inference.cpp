@@ -35,6 +35,7 @@ std::string sweeps_text(const TopicStatistics& topic) {
   std::string text = fmt::format(
       "{:.0f} points a sweep, {:.1f} % of them returns; {}; ", s.points.mean(), 100.0 * share,
       s.with_rings > 0 && s.with_rings >= topic.with_points() ? "rings" : "no rings");
+  text += s.with_doppler > 0 ? "Doppler speeds; " : "";
   return text + (topic.point_times ? times_text(*topic.point_times, s) : "no times");
 }
 
@@ -66,6 +67,21 @@ std::string imu_text(const ImuStatistics& s) {
              s.acceleration.mean(), s.acceleration.least, s.acceleration.greatest,
              s.rotation.mean(), s.rotation.greatest) +
          rest_text(s);
+}
+
+/// What to set for a run to use velocities that it does not use.
+std::string use_text(const std::string& topic) {
+  return "to fuse it with the IMU: --set recording.velocity_topic=" + topic;
+}
+
+std::string velocities_text(const Topic& topic, const TopicStatistics& s, bool used) {
+  const Extent& speed = s.velocities.speed;
+  const std::string frame = s.frame.empty() ? "" : " of the frame '" + s.frame + "'";
+  std::string text = fmt::format("velocities{}, {:.2f} m/s on average (at most {:.2f})", frame,
+                                 speed.mean(), speed.greatest);
+  return used ? text + "; a run fuses them with the IMU"
+              : text + "; a run does not use them, since such messages may be commands; " +
+                    use_text(topic.name);
 }
 
 bool found(const Inspection& inspection, const std::string& kind, const std::string& topic) {
@@ -167,6 +183,10 @@ std::vector<Inference> infer(const Inspection& inspection) {
       all.push_back({topic.name, sweeps_text(s)});
     } else if (topic.kind == TopicKind::imu && s.imu.acceleration.count > 0) {
       all.push_back({topic.name, imu_text(s.imu)});
+    } else if (s.velocities.speed.count > 0) {
+      all.push_back({topic.name, velocities_text(topic, s, inspection.sensors.velocity == i)});
+    } else if (has_velocities(topic) && s.events > 0) {
+      all.push_back({topic.name, "its twist is a velocity; " + use_text(topic.name)});
     }
   }
   for (const MotionCheck& check : inspection.motion) {

@@ -22,10 +22,10 @@ from typing import Iterable, Literal, Optional, Sequence, Union
 import numpy as np
 import numpy.typing as npt
 
-from ._adit import (Aligner, Alignment, Config, Device, DeviceError, DoubtfulStretch, Edge, Error, Evaluation,
-                    EventIterator, Georeference, GnssFix, ImuSample, InertialReport, InputError, Keyframe, LidarMotion,
-                    Loop, Map, MapFix, MapReport, MapSession, ObservedDirection, Odometry, OutputError, PlacedSweeps,
-                    ReadingTaken, Recording, ReferencePose, RegistrationResult, SimulationSummary, Slam,
+from ._adit import (Aligner, Alignment, BodyVelocity, Config, Device, DeviceError, DoubtfulStretch, Edge, Error,
+                    Evaluation, EventIterator, Georeference, GnssFix, ImuSample, InertialReport, InputError, Keyframe,
+                    LidarMotion, Loop, Map, MapFix, MapReport, MapSession, ObservedDirection, Odometry, OutputError,
+                    PlacedSweeps, ReadingTaken, Recording, ReferencePose, RegistrationResult, SimulationSummary, Slam,
                     StaticTransform, Statistics, Submap, Surfaces, Sweep, SweepLeftOut, SweepPlaced, SweepResult, Topic,
                     Trajectory, UsageError, Verdict, devices, estimate_surfaces, evaluate, open, presets, simulate,
                     version, voxel_down_sample)
@@ -36,13 +36,13 @@ _Array = Union[npt.NDArray[np.float32], npt.NDArray[np.float64]]
 _Method = Literal["vgicp", "ndt", "point-to-plane", "ndt-to-ndt"]
 
 __all__ = [
-    "Aligner", "Alignment", "Config", "Device", "DeviceError", "DoubtfulStretch", "Edge", "Error", "Evaluation",
-    "EventIterator", "Georeference", "GnssFix", "ImuSample", "InertialReport", "InputError", "Keyframe", "LidarMotion",
-    "Loop", "Map", "MapFix", "MapReport", "MapSession", "ObservedDirection", "Odometry", "OutputError", "PlacedSweeps",
-    "ReadingTaken", "Recording", "ReferencePose", "RegistrationResult", "SimulationSummary", "Slam", "StaticTransform",
-    "Statistics", "Submap", "Surfaces", "Sweep", "SweepLeftOut", "SweepPlaced", "SweepResult", "Topic", "Trajectory",
-    "UsageError", "Verdict", "align", "align_batch", "devices", "estimate_surfaces", "evaluate", "open", "presets",
-    "simulate", "version", "voxel_down_sample"
+    "Aligner", "Alignment", "BodyVelocity", "Config", "Device", "DeviceError", "DoubtfulStretch", "Edge", "Error",
+    "Evaluation", "EventIterator", "Georeference", "GnssFix", "ImuSample", "InertialReport", "InputError", "Keyframe",
+    "LidarMotion", "Loop", "Map", "MapFix", "MapReport", "MapSession", "ObservedDirection", "Odometry", "OutputError",
+    "PlacedSweeps", "ReadingTaken", "Recording", "ReferencePose", "RegistrationResult", "SimulationSummary", "Slam",
+    "StaticTransform", "Statistics", "Submap", "Surfaces", "Sweep", "SweepLeftOut", "SweepPlaced", "SweepResult",
+    "Topic", "Trajectory", "UsageError", "Verdict", "align", "align_batch", "devices", "estimate_surfaces", "evaluate",
+    "open", "presets", "simulate", "version", "voxel_down_sample"
 ]
 
 

@@ -215,6 +215,42 @@ void bind_gnss_fix(py::module_& module) {
       });
 }
 
+void bind_body_velocity(py::module_& module) {
+  using Held = Measured<BodyVelocity>;
+  bind<BodyVelocity>(module, "BodyVelocity",
+                     "Velocity of a sensor that is fixed to the body, in the sensor's own axes.")
+      .def(
+          py::init([](int64_t stamp, const py::object& linear, const py::object& covariance,
+                      const std::string& frame) {
+            return Held{
+                .value = {.stamp = Nanoseconds(stamp),
+                          .linear = vector_of(linear, "linear", false),
+                          .covariance = covariance.is_none()
+                                            ? std::nullopt
+                                            : std::optional(matrix_of(covariance, "covariance")),
+                          .frame = frame},
+                .frame = frame};
+          }),
+          py::arg("stamp"), py::arg("linear"), py::arg("covariance") = py::none(), py::kw_only(),
+          py::arg("frame") = "",
+          "stamp: ns. linear: (3,), m/s; an axis that is not measured is NaN. covariance: (3, 3),\n"
+          "(m/s)^2; None: the source gives none. ValueError, TypeError.")
+      .def_property_readonly(
+          "linear", [](const Held& self) { return array_of(self.value.linear); }, "(3,), m/s.")
+      .def_property_readonly(
+          "covariance",
+          [](const Held& self) -> py::object {
+            return self.value.covariance ? array_of(*self.value.covariance)
+                                         : py::none().cast<py::object>();
+          },
+          "(3, 3), (m/s)^2; None: the source gives none.")
+      .def("__repr__", [](const Held& self) {
+        const Eigen::Vector3d& v = self.value.linear;
+        return fmt::format("<adit.BodyVelocity {:.3f} {:.3f} {:.3f} m/s at {}>", v.x(), v.y(),
+                           v.z(), in_seconds(self.value.stamp));
+      });
+}
+
 /// Frames and the pose between them.
 template <class Value>
 void add_transform(py::class_<Measured<Value>>& bound) {
@@ -264,6 +300,7 @@ void bind_measurements(py::module_& module) {
   bind_sweep(module);
   bind_imu_sample(module);
   bind_gnss_fix(module);
+  bind_body_velocity(module);
   auto transform = bind<StaticTransform>(module, "StaticTransform", "How two frames are mounted.");
   transform.def(py::init([](std::string parent, std::string child, const py::object& pose) {
                   return Measured<StaticTransform>{

@@ -77,7 +77,7 @@ std::unique_ptr<EventIterator> iterate(const std::shared_ptr<RecordingFile>& rec
 
 std::vector<std::size_t> SensorTopics::all() const {
   std::vector<std::size_t> topics{sweeps};
-  for (const std::optional<std::size_t>& other : {imu, gnss}) {
+  for (const std::optional<std::size_t>& other : {imu, gnss, velocity}) {
     if (other) {
       topics.push_back(*other);
     }
@@ -102,7 +102,8 @@ SensorTopics RecordingFile::sensors() const {
   if (!sensors_) {
     const std::size_t sweeps = sweep_topic(*recording_, path_, config_.recording.sweep_topic);
     RecordedSensors chosen = choose_sensors(*recording_, sweeps, config_);
-    const SensorTopics sensors{.sweeps = sweeps, .imu = chosen.imu, .gnss = chosen.gnss};
+    const SensorTopics sensors{
+        .sweeps = sweeps, .imu = chosen.imu, .gnss = chosen.gnss, .velocity = chosen.velocity};
     transforms_ = std::move(chosen.transforms.transforms);
     mapped_.emplace(whole_ ? *whole_ : *recording_, chosen.frames);
     static_cast<void>(require_clear_point_times(OneSensorRecording(*recording_, chosen.frames),
@@ -134,8 +135,8 @@ std::unique_ptr<EventStream> RecordingFile::events(const std::vector<std::size_t
 }
 
 std::unique_ptr<EventStream> RecordingFile::mapped_events() const {
-  const std::vector<std::size_t> topics = sensors().all();
-  return mapped_->events({.topics = topics});
+  const SensorTopics chosen = sensors();
+  return mapped_->events({.topics = chosen.all(), .velocities_of = chosen.velocity});
 }
 
 std::vector<std::string> RecordingFile::damage() const {
@@ -149,7 +150,7 @@ void bind_recording(py::module_& module) {
       .def_readonly("type", &Topic::type, "Of its messages or files.")
       .def_property_readonly(
           "kind", [](const Topic& self) { return std::string(to_string(self.kind)); },
-          "sweeps, imu, gnss, poses, transforms or other.")
+          "sweeps, imu, gnss, velocities, poses, transforms or other.")
       .def_readonly("messages", &Topic::messages, "How many there are; None: it is not told.")
       .def("__repr__", [](const Topic& self) {
         return "<adit.Topic " + self.name + ": " + std::string(to_string(self.kind)) + ">";

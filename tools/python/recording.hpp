@@ -26,6 +26,7 @@ struct SensorTopics {
   std::size_t sweeps = 0;
   std::optional<std::size_t> imu{};
   std::optional<std::size_t> gnss{};
+  std::optional<std::size_t> velocity{};
 
   std::vector<std::size_t> all() const;
 };

@@ -259,8 +259,11 @@ class MessageEventStream final : public EventStream {
     };
     std::vector<std::string> left_out;
     try {
-      ros::MessageEvents events = ros::to_events(channel, message, file, reading_of(topic, channel),
-                                                 current_->cameras[message.channel].get());
+      ros::MessageEvents events =
+          selection_.velocities_of == topic && channel.type == ros::Odometry::kType
+              ? ros::to_velocity(channel, message)
+              : ros::to_events(channel, message, file, reading_of(topic, channel),
+                               current_->cameras[message.channel].get());
       for (EventValue& value : events.values) {
         if (auto* sweep = std::get_if<Sweep>(&value)) {
           sweep->source = channel.topic + "#" + std::to_string(number);

@@ -13,6 +13,7 @@ bool begins_with_header(const Channel& channel) {
     case TopicKind::sweeps:
     case TopicKind::imu:
     case TopicKind::gnss:
+    case TopicKind::velocities:
     case TopicKind::poses:
       return true;
     case TopicKind::transforms:

@@ -43,9 +43,8 @@ class OneSensorStream final : public EventStream {
   };
 
   bool is_of_sensor(const Event& event) {
-    const TopicKind kind = recording_->topics()[event.topic].kind;
-    const bool of_sensor =
-        kind == TopicKind::sweeps || kind == TopicKind::imu || kind == TopicKind::gnss;
+    const bool of_sensor = !std::holds_alternative<ReferencePose>(event.value) &&
+                           !std::holds_alternative<StaticTransform>(event.value);
     const std::string frame = plain_frame(event.frame);
     if (!of_sensor || frame.empty()) {
       return true;

@@ -18,7 +18,7 @@
 
 namespace adit {
 
-/// A recording in which each topic of sweeps, readings or fixes has one sensor.
+/// A recording in which each topic of sweeps, readings, fixes or velocities has one sensor.
 ///
 /// `frames` names the frame of a topic's sensor; of other topics it is the first frame. Messages of
 /// another frame are left out while the sensor's own arrive. Where another frame appears only after

@@ -23,6 +23,8 @@ std::string_view to_string(TopicKind kind) {
       return "imu";
     case TopicKind::gnss:
       return "gnss";
+    case TopicKind::velocities:
+      return "velocities";
     case TopicKind::poses:
       return "poses";
     case TopicKind::transforms:

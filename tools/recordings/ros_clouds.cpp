@@ -78,6 +78,9 @@ CloudColumns find_columns(const PointCloud2& cloud, const std::byte* data) {
       throw CodecError("its field '" + field.name + "' has the datatype " +
                        std::to_string(field.datatype) + "; 1 to 8 are known");
     }
+    if (role == static_cast<std::size_t>(FieldRole::doppler) && field.count > 1) {
+      continue;  // a velocity in space, not along the ray
+    }
     if (uint64_t{field.offset} + size_of(*type) > cloud.point_step) {
       throw CodecError("its field '" + field.name + "' lies at byte " +
                        std::to_string(field.offset) + " of points of " +
@@ -221,6 +224,11 @@ CloudMessage to_cloud(const Sweep& sweep, const std::string& frame, bool with_in
     message.fields.push_back({slow ? "t" : "time", time_at, slow ? kUint32 : kFloat32, 1});
     message.point_step += 4;
   }
+  const uint32_t doppler_at = message.point_step;
+  if (!sweep.doppler.empty()) {
+    message.fields.push_back({"doppler", doppler_at, kFloat32, 1});
+    message.point_step += 4;
+  }
   message.row_step = message.width * message.point_step;
   cloud.data.resize(message.row_step);
   for (std::size_t i = 0; i < sweep.points.size(); ++i) {
@@ -235,6 +243,9 @@ CloudMessage to_cloud(const Sweep& sweep, const std::string& frame, bool with_in
       std::memcpy(at + time_at, &nanoseconds, sizeof nanoseconds);
     } else if (!sweep.times.empty()) {
       std::memcpy(at + time_at, &sweep.times[i], sizeof(float));
+    }
+    if (!sweep.doppler.empty()) {
+      std::memcpy(at + doppler_at, &sweep.doppler[i], sizeof(float));
     }
   }
   message.data = cloud.data;

@@ -37,7 +37,7 @@ struct CloudMessage {
 
 /// Fields: x y z and, if asked for, intensity as float32, and where the sweep has them ring as
 /// uint16 and time as float32, seconds after the header's stamp. Sweeps of more than a second have
-/// t as uint32, nanoseconds, instead.
+/// t as uint32, nanoseconds, instead. Where it has radial speeds, doppler as float32, m/s.
 CloudMessage to_cloud(const Sweep& sweep, const std::string& frame, bool with_intensity = true);
 
 }  // namespace adit::ros

@@ -3,6 +3,7 @@
 #include "adit/tools/recordings/ros_events.hpp"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -70,6 +71,35 @@ GnssFix to_event(const NavSatFix& fix, const RawMessage& message) {
         fix.position_covariance.data());
   }
   return event;
+}
+
+/// The covariance of the linear velocity; none where its numbers cannot be one. Drivers leave zeros
+/// or put -1 where they do not know it.
+std::optional<Eigen::Matrix3d> linear_covariance(const std::array<double, 36>& rows) {
+  const Eigen::Matrix3d given =
+      Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(rows.data())
+          .topLeftCorner<3, 3>();
+  if (!given.allFinite() || given.isZero(0.0) || given.diagonal().minCoeff() < 0.0) {
+    return std::nullopt;
+  }
+  return given;
+}
+
+BodyVelocity velocity(const Header& header, const RawMessage& message, const Vector3& linear,
+                      std::optional<Eigen::Matrix3d> covariance, const std::string& frame) {
+  return {.stamp = time_of(header, message),
+          .linear = vector(linear),
+          .covariance = std::move(covariance),
+          .frame = frame};
+}
+
+BodyVelocity to_event(const TwistStamped& twist, const RawMessage& message) {
+  return velocity(twist.header, message, twist.twist.linear, std::nullopt, twist.header.frame);
+}
+
+BodyVelocity to_event(const TwistWithCovarianceStamped& twist, const RawMessage& message) {
+  return velocity(twist.header, message, twist.twist.linear, linear_covariance(twist.covariance),
+                  twist.header.frame);
 }
 
 ReferencePose to_event(const Odometry& odometry, const RawMessage& message) {
@@ -179,6 +209,21 @@ EncodedEvent message_of(const GnssFix& fix, Encoding encoding, const std::string
   return encoded(message, encoding);
 }
 
+EncodedEvent message_of(const BodyVelocity& velocity, Encoding encoding, const std::string& frame) {
+  constexpr double kUnknown = 1e6;  // (rad/s)², so large that nobody takes the zeros for measured
+  TwistWithCovarianceStamped message;
+  message.header = {.sequence = 0,
+                    .stamp = velocity.stamp,
+                    .frame = velocity.frame.empty() ? frame : velocity.frame};
+  message.twist.linear = vector(velocity.linear);
+  if (velocity.covariance) {
+    Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> rows(message.covariance.data());
+    rows.topLeftCorner<3, 3>() = *velocity.covariance;
+    rows.diagonal().tail<3>().setConstant(kUnknown);
+  }
+  return encoded(message, encoding);
+}
+
 EncodedEvent message_of(const ReferencePose& pose, Encoding encoding, const std::string&) {
   Odometry message;
   message.header = {.sequence = 0, .stamp = pose.stamp, .frame = pose.parent};
@@ -211,6 +256,9 @@ TopicKind kind_of(const Channel& channel) {
   }
   if (type == NavSatFix::kType) {
     return TopicKind::gnss;
+  }
+  if (type == TwistStamped::kType || type == TwistWithCovarianceStamped::kType) {
+    return TopicKind::velocities;
   }
   if (type == TransformStamped::kType || is_transforms(type)) {
     return is_static(channel) ? TopicKind::transforms : TopicKind::poses;
@@ -250,6 +298,12 @@ MessageEvents to_events(const Channel& channel, const RawMessage& message,
   if (type == NavSatFix::kType) {
     return single<NavSatFix>(channel, message);
   }
+  if (type == TwistStamped::kType) {
+    return single<TwistStamped>(channel, message);
+  }
+  if (type == TwistWithCovarianceStamped::kType) {
+    return single<TwistWithCovarianceStamped>(channel, message);
+  }
   if (type == Odometry::kType) {
     return single<Odometry>(channel, message);
   }
@@ -263,6 +317,16 @@ MessageEvents to_events(const Channel& channel, const RawMessage& message,
     return events;
   }
   return is_transforms(type) ? transforms(channel, message) : MessageEvents{};
+}
+
+MessageEvents to_velocity(const Channel& channel, const RawMessage& message) {
+  const auto odometry = decode<Odometry>(channel.encoding, message.bytes);
+  MessageEvents events;
+  events.values.emplace_back(velocity(odometry.header, message, odometry.linear,
+                                      linear_covariance(odometry.twist_covariance),
+                                      odometry.child_frame));
+  events.frame = odometry.child_frame;
+  return events;
 }
 
 EncodedEvent from_event(const EventValue& event, Encoding encoding, const std::string& frame,

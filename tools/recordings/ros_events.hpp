@@ -45,15 +45,19 @@ MessageEvents to_events(const Channel& channel, const RawMessage& message,
                         const std::filesystem::path& file, const CloudReading& reading = {},
                         const DepthCamera* camera = nullptr);
 
+/// The twist of an odometry message, in the axes of its child frame, which is the frame of the
+/// result. Throws CodecError where the message is damaged.
+MessageEvents to_velocity(const Channel& channel, const RawMessage& message);
+
 /// A message and its type.
 struct EncodedEvent {
   std::string type;
   std::vector<std::byte> bytes;
 };
 
-/// The event as a message with the frame `frame` (poses and transforms name their own), a sweep
-/// with or without the field intensity. Throws
-/// CodecError where the encoding cannot hold its time.
+/// The event as a message with the frame `frame` (poses, transforms and most velocities name their
+/// own), a sweep with or without the field intensity. Throws CodecError where the encoding cannot
+/// hold its time.
 EncodedEvent from_event(const EventValue& event, Encoding encoding, const std::string& frame,
                         bool with_intensity = true);
 

@@ -83,6 +83,24 @@ struct Pose {
   Quaternion orientation;
 };
 
+struct Twist {
+  Vector3 linear;   ///< m/s
+  Vector3 angular;  ///< rad/s
+};
+
+struct TwistStamped {
+  static constexpr std::string_view kType = "geometry_msgs/TwistStamped";
+  Header header;
+  Twist twist;
+};
+
+struct TwistWithCovarianceStamped {
+  static constexpr std::string_view kType = "geometry_msgs/TwistWithCovarianceStamped";
+  Header header;
+  Twist twist;
+  std::array<double, 36> covariance{};  ///< linear before angular, row by row
+};
+
 struct Odometry {
   static constexpr std::string_view kType = "nav_msgs/Odometry";
   Header header;

@@ -24,12 +24,19 @@ template <class Message>
 constexpr Entry entry() {
   return {Message::kType, through<Message>};
 }
-constexpr std::array kEntries = {entry<PointCloud2>(), entry<Imu>(),
-                                 entry<NavSatFix>(),   entry<Odometry>(),
-                                 entry<PoseStamped>(), entry<TransformStamped>(),
-                                 entry<TFMessage>(),   entry<LivoxCustomMsg>(),
-                                 entry<Image>(),       entry<CameraInfo>(),
-                                 entry<VelodyneScan>()};
+constexpr std::array kEntries = {entry<PointCloud2>(),
+                                 entry<Imu>(),
+                                 entry<NavSatFix>(),
+                                 entry<Odometry>(),
+                                 entry<PoseStamped>(),
+                                 entry<TransformStamped>(),
+                                 entry<TFMessage>(),
+                                 entry<LivoxCustomMsg>(),
+                                 entry<Image>(),
+                                 entry<CameraInfo>(),
+                                 entry<VelodyneScan>(),
+                                 entry<TwistStamped>(),
+                                 entry<TwistWithCovarianceStamped>()};
 
 const Entry* find(std::string_view type) {
   if (type == "tf/tfMessage") {

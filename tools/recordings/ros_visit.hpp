@@ -46,6 +46,25 @@ void visit(Archive& archive, IsA<Pose> auto& pose) {
 }
 
 template <class Archive>
+void visit(Archive& archive, IsA<Twist> auto& twist) {
+  visit(archive, twist.linear);
+  visit(archive, twist.angular);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<TwistStamped> auto& message) {
+  visit(archive, message.header);
+  visit(archive, message.twist);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<TwistWithCovarianceStamped> auto& message) {
+  visit(archive, message.header);
+  visit(archive, message.twist);
+  archive(message.covariance);
+}
+
+template <class Archive>
 void visit(Archive& archive, IsA<PointField> auto& field) {
   archive(field.name, field.offset, field.datatype, field.count);
 }

@@ -20,8 +20,9 @@ namespace {
 constexpr Nanoseconds kLeap = std::chrono::seconds(10);
 constexpr std::size_t kAgree = 3;
 
-bool is_measured(TopicKind kind) {
-  return kind == TopicKind::sweeps || kind == TopicKind::imu || kind == TopicKind::gnss;
+bool is_measured(const EventValue& value) {
+  return !std::holds_alternative<ReferencePose>(value) &&
+         !std::holds_alternative<StaticTransform>(value);
 }
 
 /// Stamps may be anything: no overflow.
@@ -55,7 +56,7 @@ class SteadyStream final : public EventStream {
         }
         continue;
       }
-      if (!is_measured((*topics_)[event->topic].kind)) {
+      if (!is_measured(event->value)) {
         return event;
       }
       take(std::move(*event));

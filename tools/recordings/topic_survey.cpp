@@ -28,7 +28,8 @@ struct SeenFrame {
   bool turns = false;    ///< some reading has an angular velocity that is not zero
   bool weighs = false;   ///< some reading has an acceleration that is not zero
   bool no_gyroscope = true;
-  bool fixes = false;  ///< some fix has a position
+  bool fixes = false;   ///< some fix has a position
+  bool speeds = false;  ///< some velocity has a number
   std::vector<Nanoseconds> stamps{};
 
   void add(const EventValue& value, Nanoseconds stamp) {
@@ -46,6 +47,8 @@ struct SeenFrame {
     } else if (const auto* fix = std::get_if<GnssFix>(&value)) {
       const bool position = std::abs(fix->latitude) <= 90.0 && std::abs(fix->longitude) <= 360.0;
       fixes = fixes || (fix->kind != GnssFixKind::none && position);
+    } else if (const auto* velocity = std::get_if<BodyVelocity>(&value)) {
+      speeds = speeds || velocity->linear.array().isFinite().any();
     }
   }
 
@@ -72,6 +75,9 @@ struct SeenFrame {
     }
     if (kind == TopicKind::gnss) {
       return fixes ? "" : first_ones + "messages have no fix";
+    }
+    if (kind == TopicKind::velocities) {
+      return speeds ? "" : first_ones + "velocities have no numbers";
     }
     if (!turns && !weighs) {
       return first_ones + "readings are all zero";
@@ -100,6 +106,7 @@ void merge_nameless(std::map<std::string, SeenFrame>& frames) {
   most.turns = most.turns || unnamed.turns;
   most.weighs = most.weighs || unnamed.weighs;
   most.fixes = most.fixes || unnamed.fixes;
+  most.speeds = most.speeds || unnamed.speeds;
 }
 
 /// Leaves those out that are as `unusable` says, unless all are.
@@ -120,11 +127,16 @@ std::string plain_frame(const std::string& frame) {
 }
 
 std::vector<SensorSample> first_samples(const Recording& recording, std::size_t topic) {
-  const TopicKind kind = recording.topics()[topic].kind;
+  const bool of_odometry = recording.topics()[topic].kind == TopicKind::poses;
+  const TopicKind kind = of_odometry ? TopicKind::velocities : recording.topics()[topic].kind;
   std::map<std::string, SeenFrame> frames;
   std::size_t seen = 0;
   std::size_t errors = 0;
-  const auto events = recording.events({.topics = {topic}});
+  EventSelection selection{.topics = {topic}};
+  if (of_odometry) {
+    selection.velocities_of = topic;
+  }
+  const auto events = recording.events(selection);
   // Files of sweeps name no frames, and large ones take their time.
   const auto is_enough = [&] {
     constexpr std::size_t kNameless = 3;

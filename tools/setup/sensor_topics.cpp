@@ -9,6 +9,7 @@
 
 #include <fmt/core.h>
 
+#include "adit/tools/recordings/ros_messages.hpp"
 #include "adit/tools/recordings/topic_survey.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -31,6 +32,20 @@ struct CandidateList {
   std::vector<PassedOver> silent{};  ///< topics without messages
 };
 
+void add_candidates(const Recording& recording, std::size_t topic, CandidateList& list) {
+  if (recording.topics()[topic].messages == 0U) {
+    list.silent.push_back({recording.topics()[topic].name, kNoMessages});
+    return;
+  }
+  std::vector<SensorSample> samples = first_samples(recording, topic);
+  if (samples.empty()) {
+    samples.emplace_back().fault = "not one of its first messages can be read";
+  }
+  for (SensorSample& sample : samples) {
+    list.candidates.push_back({.topic = topic, .sample = std::move(sample)});
+  }
+}
+
 /// Those of that kind, or of the topic that is named by the setting.
 CandidateList candidates_of(const Recording& recording, TopicKind kind,
                             const std::optional<std::string>& name, const std::string& setting,
@@ -39,20 +54,9 @@ CandidateList candidates_of(const Recording& recording, TopicKind kind,
   bool found = false;
   for (std::size_t i = 0; i < recording.topics().size(); ++i) {
     const Topic& topic = recording.topics()[i];
-    if (topic.kind != kind || (name && topic.name != *name)) {
-      continue;
-    }
-    found = true;
-    if (topic.messages == 0U) {
-      list.silent.push_back({topic.name, kNoMessages});
-      continue;
-    }
-    std::vector<SensorSample> samples = first_samples(recording, i);
-    if (samples.empty()) {
-      samples.emplace_back().fault = "not one of its first messages can be read";
-    }
-    for (SensorSample& sample : samples) {
-      list.candidates.push_back({.topic = i, .sample = std::move(sample)});
+    if (topic.kind == kind && (!name || topic.name == *name)) {
+      found = true;
+      add_candidates(recording, i, list);
     }
   }
   if (!found && name) {
@@ -60,6 +64,34 @@ CandidateList candidates_of(const Recording& recording, TopicKind kind,
     throw UsageError(setting + ": the recording has no " + sensor + " on '" + *name + "'" +
                      (other == recording.topics().end() ? "" : ", which has " + other->type) +
                      "; adit inspect lists its topics.");
+  }
+  return list;
+}
+
+/// The topics of velocities that the setting names; throws UsageError where there are none.
+CandidateList velocities_of(const Recording& recording, const std::string& name) {
+  CandidateList list;
+  std::string known;
+  std::string type;
+  bool found = false;
+  for (std::size_t i = 0; i < recording.topics().size(); ++i) {
+    const Topic& topic = recording.topics()[i];
+    if (has_velocities(topic)) {
+      known += (known.empty() ? "" : ", ") + topic.name;
+    }
+    if (topic.name != name) {
+      continue;
+    }
+    type = topic.type;
+    if (has_velocities(topic)) {
+      found = true;
+      add_candidates(recording, i, list);
+    }
+  }
+  if (!found) {
+    throw UsageError("recording.velocity_topic: the recording has no velocities on '" + name + "'" +
+                     (type.empty() ? "" : ", which has " + type) + "; " +
+                     (known.empty() ? "it has none" : "it has velocities on " + known) + ".");
   }
   return list;
 }
@@ -120,7 +152,27 @@ std::optional<SensorCandidate> best_of(const Recording& recording, const Candida
   return best;
 }
 
+/// The topics of sweeps besides `sweeps` that no run can use.
+std::vector<PassedOver> unusable_sweeps(const Recording& recording, std::size_t sweeps) {
+  std::vector<PassedOver> unusable;
+  for (std::size_t i = 0; i < recording.topics().size(); ++i) {
+    const Topic& topic = recording.topics()[i];
+    if (topic.kind == TopicKind::sweeps && i != sweeps) {
+      const std::string why = topic.messages == 0U ? kNoMessages : fault_of_topic(recording, i);
+      if (!why.empty()) {
+        unusable.push_back({topic.name, why});
+      }
+    }
+  }
+  return unusable;
+}
+
 }  // namespace
+
+bool has_velocities(const Topic& topic) {
+  return topic.kind == TopicKind::velocities ||
+         (topic.kind == TopicKind::poses && topic.type == ros::Odometry::kType);
+}
 
 RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
                                const Config& config) {
@@ -130,15 +182,7 @@ RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
       chosen.frames[topic] = frame;
     }
   };
-  for (std::size_t i = 0; i < recording.topics().size(); ++i) {
-    const Topic& topic = recording.topics()[i];
-    if (topic.kind == TopicKind::sweeps && i != sweeps) {
-      const std::string why = topic.messages == 0U ? kNoMessages : fault_of_topic(recording, i);
-      if (!why.empty()) {
-        chosen.passed_over.push_back({topic.name, why});
-      }
-    }
-  }
+  chosen.passed_over = unusable_sweeps(recording, sweeps);
   const std::vector<SensorSample> range = first_samples(recording, sweeps);
   const std::string lidar = config.recording.sweep_frame
                                 ? plain_frame(*config.recording.sweep_frame)
@@ -156,17 +200,27 @@ RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
     receivers = candidates_of(recording, TopicKind::gnss, config.recording.gnss_topic,
                               "recording.gnss_topic", "GNSS receiver");
   }
+  CandidateList velocities;
+  if (config.velocity.use && config.recording.velocity_topic) {
+    velocities = velocities_of(recording, *config.recording.velocity_topic);
+  }
   std::vector<std::string> frames{lidar};
-  for (const CandidateList* list : {&imus, &receivers}) {
+  for (const CandidateList* list : {&imus, &receivers, &velocities}) {
     for (const SensorCandidate& one : list->candidates) {
       frames.push_back(one.sample.frame);
     }
   }
   chosen.transforms = recorded_transforms(recording, frames);
   const FrameTree tree = frame_tree_of(chosen.transforms);
+  const auto is_connected = [&](const SensorCandidate& one) {
+    return !lidar.empty() && !one.sample.frame.empty() &&
+           tree.transform(lidar, one.sample.frame).has_value();
+  };
   for (SensorCandidate& one : imus.candidates) {
-    one.connected = config.imu.T_imu_lidar || (!lidar.empty() && !one.sample.frame.empty() &&
-                                               tree.transform(lidar, one.sample.frame));
+    one.connected = config.imu.T_imu_lidar || is_connected(one);
+  }
+  for (SensorCandidate& one : velocities.candidates) {
+    one.connected = config.velocity.T_lidar_sensor || is_connected(one);
   }
   for (SensorCandidate& one : receivers.candidates) {
     one.sample.rate = 0.0;  // a slower receiver is no worse
@@ -178,6 +232,10 @@ RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
   if (const auto receiver = best_of(recording, receivers, chosen.passed_over)) {
     chosen.gnss = receiver->topic;
     keep_frame(receiver->topic, receiver->sample.frame);
+  }
+  if (const auto velocity = best_of(recording, velocities, chosen.passed_over)) {
+    chosen.velocity = velocity->topic;
+    keep_frame(velocity->topic, velocity->sample.frame);
   }
   return chosen;
 }

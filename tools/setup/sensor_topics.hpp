@@ -24,7 +24,7 @@ struct PassedOver {
 struct RecordedSensors {
   std::optional<std::size_t> imu{};   ///< its topic; none: there is none, or imu.use is off
   std::optional<std::size_t> gnss{};  ///< likewise, with gnss.use
-  /// recording.velocity_topic; none: it names none, or velocity.use is off.
+  /// Velocities, or odometry whose twist they are; none unless recording.velocity_topic names it.
   std::optional<std::size_t> velocity{};
   /// By topic: the frame whose messages are used, of the sweeps, too; empty names are left out.
   std::map<std::size_t, std::string> frames{};
@@ -35,10 +35,14 @@ struct RecordedSensors {
 /// Chooses by the first messages, not by names. Topics without messages are passed over. Of several
 /// IMUs the one is chosen whose readings can be used, whose frame transforms connect with that of
 /// the sweeps, and whose rate is higher, in this order; of several receivers the first with a fix.
-/// recording.imu_topic and recording.gnss_topic choose themselves. Throws UsageError where the
+/// recording.imu_topic and recording.gnss_topic choose themselves. Velocities are used of
+/// recording.velocity_topic alone: such messages may be commands. Throws UsageError where the
 /// recording lacks a topic that is named.
 RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
                                const Config& config);
+
+/// Whether velocities can be read of a topic: it has messages of them, or odometry with its twist.
+bool has_velocities(const Topic& topic);
 
 /// "/camera/imu is not used: it has no messages".
 std::string describe(const PassedOver& passed_over);

@@ -23,6 +23,7 @@ void take(TopicStatistics& topic, const Sweep& sweep, Nanoseconds) {
   s.empty += returns == 0 ? 1U : 0U;
   s.without_points += sweep.points.empty() ? 1U : 0U;
   s.with_rings += sweep.rings.empty() ? 0U : 1U;
+  s.with_doppler += sweep.doppler.empty() ? 0U : 1U;
   constexpr std::size_t kStride = 7;  // shares no factor with usual numbers of beams
   for (std::size_t i = 0; i < sweep.points.size(); i += kStride) {
     const Point& p = sweep.points[i];
@@ -84,6 +85,19 @@ void take(TopicStatistics& topic, const ImuSample& sample, Nanoseconds received)
 void take(TopicStatistics& topic, const GnssFix& fix, Nanoseconds) {
   topic.gnss.without_fix += fix.kind == GnssFixKind::none ? 1U : 0U;
   topic.gnss.without_covariance += fix.covariance ? 0U : 1U;
+}
+
+void take(TopicStatistics& topic, const BodyVelocity& velocity, Nanoseconds) {
+  VelocityStatistics& s = topic.velocities;
+  const Eigen::Array3d& v = velocity.linear.array();
+  s.without_covariance += velocity.covariance ? 0U : 1U;
+  if (!v.isFinite().any()) {
+    ++s.not_finite;
+    return;
+  }
+  const double speed = v.isFinite().select(v, 0.0).matrix().norm();
+  s.moving += speed > 0.0 ? 1U : 0U;
+  s.speed.add(speed);
 }
 
 void take(TopicStatistics&, const ReferencePose&, Nanoseconds) {}

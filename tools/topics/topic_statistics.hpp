@@ -61,6 +61,7 @@ struct SweepStatistics {
   uint64_t empty = 0;           ///< sweeps without a return
   uint64_t without_points = 0;  ///< sweeps, of the empty ones
   uint64_t with_rings = 0;      ///< sweeps
+  uint64_t with_doppler = 0;    ///< sweeps
   /// Returns for some points of each sweep, by azimuth from 0 on, 5 degrees each.
   std::array<uint64_t, 72> returns_by_azimuth{};
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< m, Sweep::offset
@@ -74,6 +75,13 @@ struct SweepStatistics {
 struct GnssStatistics {
   uint64_t without_fix = 0;
   uint64_t without_covariance = 0;
+};
+
+struct VelocityStatistics {
+  Extent speed;                     ///< m/s, of the axes that are measured
+  uint64_t not_finite = 0;          ///< velocities without a number
+  uint64_t without_covariance = 0;  ///< velocities
+  uint64_t moving = 0;              ///< velocities that are not zero
 };
 
 /// How the stamps of a series follow each other.
@@ -116,6 +124,7 @@ struct TopicStatistics {
   ImuStatistics imu;
   SweepStatistics sweeps;
   GnssStatistics gnss;
+  VelocityStatistics velocities;
 
   void add(const Event& event);
 
