@@ -261,8 +261,10 @@ TEST_F(WheelRecordings, AreRefusedWhereTheyMakeNoSense) {
             "moving-start.");
   SimulationOptions none = options({"wheel-slip"}, 1.0);
   none.wheels = false;
-  EXPECT_EQ(error_of(none),
-            "--fault: wheel-slip is one of the wheels, and there are none. Add --wheels.");
+  EXPECT_EQ(
+      error_of(none),
+      "--fault: wheel-slip is one of the wheels, and there are none. --wheels, or use in [wheels] "
+      "of a scene file, adds them.");
   SimulationOptions fast = options({}, 1.0);
   fast.wheel_rate = 3000;
   EXPECT_NE(error_of(fast).find("--wheels: is 3000 Hz"), std::string::npos);

@@ -178,7 +178,9 @@ void require_seen(const std::vector<std::string>& names, double duration,
       throw UsageError(name + " is one of the IMU, and there is none.");
     }
     if (!senses.wheels && fault >= kFirstOfWheels) {
-      throw UsageError(name + " is one of the wheels, and there are none. Add --wheels.");
+      throw UsageError(name +
+                       " is one of the wheels, and there are none. --wheels, or use in "
+                       "[wheels] of a scene file, adds them.");
     }
     if (fault == Fault::shock && duration <= kFirstBlow) {
       throw UsageError("shock: the first blow comes after 3 s. Choose a longer duration.");
