@@ -207,6 +207,8 @@ int CommandCases::simulate(const fs::path& folder, Dice& dice, std::ostream& tol
   std::string scene = scene_file_example();
   put(scene, "\"mine\"", dice.one_in(2) ? "\"room\"" : "\"mine\"");
   put(scene, "duration = 60.0", fmt::format("duration = {}", kSceneSeconds));
+  put(scene, "use = false", dice.one_in(2) ? "use = true" : "use = false");
+  put(scene, "doppler = false", dice.one_in(2) ? "doppler = true" : "doppler = false");
   put(scene, "receiver = \"none\"", dice.one_in(2) ? "receiver = \"rtk\"" : "receiver = \"none\"");
   if (dice.one_in(2)) {
     put(scene, "# waypoints =", "waypoints =");

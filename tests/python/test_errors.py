@@ -69,6 +69,10 @@ def test_measurements():
         adit.align(CLOUD, CLOUD, np.full((4, 4), np.nan))
     with pytest.raises(ValueError, match="rings: 1 for 2000 points"):
         adit.Sweep(CLOUD, rings=[1])
+    with pytest.raises(ValueError, match="doppler: 2 for 2000 points"):
+        adit.Sweep(CLOUD, doppler=np.zeros(2))
+    speeds = np.linspace(-3.0, 3.0, 2000, dtype=np.float32)
+    assert np.array_equal(adit.Sweep(CLOUD, doppler=speeds).doppler, speeds) and adit.Sweep(CLOUD).doppler is None
     fix = adit.GnssFix(7, 47.0, 8.0, 500.0, np.eye(3), kind="single", frame="gnss")
     assert (fix.stamp, fix.kind, fix.frame, fix.topic, fix.received) == (7, "single", "gnss", "", None)
     velocity = adit.BodyVelocity(9, [1.0, 0.0, float("nan")], 0.01 * np.eye(3), frame="wheels")

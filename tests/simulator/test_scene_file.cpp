@@ -52,6 +52,9 @@ TEST_F(SceneFileTest, TheExampleSaysTheDefaults) {
   EXPECT_EQ(told.gnss, expected.gnss);
   EXPECT_EQ(told.gnss_rate, expected.gnss_rate);
   EXPECT_EQ(told.p_imu_antenna, expected.p_imu_antenna);
+  EXPECT_EQ(told.wheels, expected.wheels);
+  EXPECT_EQ(told.wheel_rate, expected.wheel_rate);
+  EXPECT_TRUE(told.T_imu_wheels.isApprox(wheel_mount()));
   EXPECT_TRUE(told.faults.empty());
   EXPECT_TRUE(told.waypoints.empty());
   ASSERT_EQ(told.lidars.size(), 1U);
@@ -60,6 +63,7 @@ TEST_F(SceneFileTest, TheExampleSaysTheDefaults) {
   EXPECT_EQ(lidar.topic, expected.lidars.front().topic);
   EXPECT_EQ(lidar.frame, expected.lidars.front().frame);
   EXPECT_TRUE(lidar.T_imu_lidar.isApprox(lidar_mount()));
+  EXPECT_FALSE(lidar.doppler);
   EXPECT_TRUE(lidar.effects.noise && lidar.effects.dropout && lidar.effects.mixed_pixels &&
               lidar.effects.dust);
 }
@@ -101,6 +105,20 @@ TEST_F(SceneFileTest, NumbersThatMakeNoSenseAreNamedWithTheirLine) {
   expect_refused("[imu]\nrate = 3\n", "line 2, column 8", "a divisor of 1e9");
   expect_refused("[gnss]\nreceiver = 'rtk'\nrate = 0\n", "line 3, column 8", "a divisor of 1e9");
   expect_refused("faults = ['shock']\nduration = 2.0\n", "line 1, column 10", "after 3 s");
+}
+
+TEST_F(SceneFileTest, WheelsAndDopplerAreAskedFor) {
+  const SimulationOptions told = read(
+      "faults = ['wheel-slip']\n[[lidar]]\ndoppler = true\n[wheels]\nuse = true\nrate = 20\n"
+      "position = [0, 0, -1]\n");
+  EXPECT_TRUE(told.wheels);
+  EXPECT_EQ(told.wheel_rate, 20);
+  EXPECT_EQ(told.T_imu_wheels.translation(), Eigen::Vector3d(0.0, 0.0, -1.0));
+  EXPECT_TRUE(told.lidars.front().doppler);
+  expect_refused("faults = ['wheel-slip']\n", "line 1, column 10", "there are none");
+  expect_refused("[wheels]\nuse = 1\n", "line 2, column 7", "neither true nor false");
+  expect_refused("[wheels]\nuse = true\nrate = 3\n", "line 3, column 8", "a divisor of 1e9");
+  expect_refused("[wheels]\nradius = 3\n", "line 2, column 1", "no key 'radius'");
 }
 
 TEST_F(SceneFileTest, AWayHasADirectionEverywhere) {

@@ -94,12 +94,16 @@ std::string summary_text(const SimulationOptions& options, const SimulationSumma
       "points    {:.0f} a sweep, {:.1f} % of the pulses\n"
       "imu       {} samples ({}, {} Hz)\n"
       "gnss      {} fixes\n"
+      "{}"
       "time      {}, {:.2f} x real time\n",
       summary.sweeps, sensors_of(options), options.scene, summary.triangles, summary.path,
       summary.fastest_turn,
       static_cast<double>(summary.points) / static_cast<double>(summary.sweeps),
       100.0 * static_cast<double>(summary.points) / static_cast<double>(summary.pulses),
       summary.imu_samples, options.imu, options.imu_rate, summary.gnss_fixes,
+      options.wheels ? fmt::format("wheels    {} velocities ({} Hz)\n", summary.wheel_velocities,
+                                   options.wheel_rate)
+                     : "",
       format_duration(seconds), options.duration / seconds);
 }
 
@@ -242,6 +246,10 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
       command.option("--gnss-rate", simulation.gnss_rate, "Its rate (Hz)")
           .value_name("HZ")
           .show_default();
+  command.flag("--wheels", simulation.wheels,
+               "Velocities of a vehicle's wheels on /wheels, for drive, stop-and-go, moving-start");
+  command.flag("--doppler", simulation.lidars.front().doppler,
+               "The range sensor measures the radial speed of each return");
   command.option("--fault", simulation.faults, "Something that is wrong; may be given again")
       .one_value_each()
       .value_name("NAME")

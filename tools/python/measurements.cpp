@@ -20,7 +20,7 @@ std::string in_seconds(Nanoseconds stamp) {
 }
 
 Sweep make_sweep(const py::object& points, const py::object& times, const py::object& rings,
-                 int64_t stamp) {
+                 const py::object& doppler, int64_t stamp) {
   Sweep sweep{.stamp = Nanoseconds(stamp),
               .points = points_of(points, "points"),
               .times = times.is_none() ? std::vector<float>{} : floats_of(times, "times"),
@@ -40,6 +40,13 @@ Sweep make_sweep(const py::object& points, const py::object& times, const py::ob
     if (sweep.rings.size() != sweep.points.size()) {
       throw py::value_error(
           fmt::format("rings: {} for {} points", sweep.rings.size(), sweep.points.size()));
+    }
+  }
+  if (!doppler.is_none()) {
+    sweep.doppler = floats_of(doppler, "doppler");
+    if (sweep.doppler.size() != sweep.points.size()) {
+      throw py::value_error(
+          fmt::format("doppler: {} for {} points", sweep.doppler.size(), sweep.points.size()));
     }
   }
   return sweep;
@@ -105,16 +112,17 @@ py::class_<Measured<Value>> bind(py::module_& module, const char* name, const ch
 void bind_sweep(py::module_& module) {
   using Held = Measured<Sweep>;
   bind<Sweep>(module, "Sweep", "One turn of a range sensor, in its own frame.")
-      .def(
-          py::init([](const py::object& points, const py::object& times, int64_t stamp,
-                      const py::object& rings, std::string frame) {
-            return Held{.value = make_sweep(points, times, rings, stamp),
-                        .frame = std::move(frame)};
-          }),
-          py::arg("points"), py::arg("times") = py::none(), py::kw_only(), py::arg("stamp") = 0,
-          py::arg("rings") = py::none(), py::arg("frame") = "",
-          "points: (n, 3) or (n, 4), m and intensity; NaN or 0 0 0 is no return. times: (n,), s\n"
-          "after the stamp. stamp: ns. rings: (n,), the beam of each point. ValueError, TypeError.")
+      .def(py::init([](const py::object& points, const py::object& times, int64_t stamp,
+                       const py::object& rings, const py::object& doppler, std::string frame) {
+             return Held{.value = make_sweep(points, times, rings, doppler, stamp),
+                         .frame = std::move(frame)};
+           }),
+           py::arg("points"), py::arg("times") = py::none(), py::kw_only(), py::arg("stamp") = 0,
+           py::arg("rings") = py::none(), py::arg("doppler") = py::none(), py::arg("frame") = "",
+           "points: (n, 3) or (n, 4), m and intensity; NaN or 0 0 0 is no return. times: (n,), s\n"
+           "after the stamp. stamp: ns. rings: (n,), the beam of each point. doppler: (n,), m/s, "
+           "how\n"
+           "fast the distance of each point grows; NaN is not measured. ValueError, TypeError.")
       .def_property_readonly(
           "points",
           [](const py::object& self) {
@@ -140,6 +148,15 @@ void bind_sweep(py::module_& module) {
             return sweep.rings.empty() ? py::none().cast<py::object>() : view_of(sweep.rings, self);
           },
           "(n,) uint16, the beam of each point; a view. None where it is not told.")
+      .def_property_readonly(
+          "doppler",
+          [](const py::object& self) -> py::object {
+            const Sweep& sweep = self.cast<const Held&>().value;
+            return sweep.doppler.empty() ? py::none().cast<py::object>()
+                                         : view_of(sweep.doppler, self);
+          },
+          "(n,) float32, m/s, how fast the distance of each point grows; a view. None where the\n"
+          "source has none.")
       .def("__len__", [](const Held& self) { return self.value.points.size(); })
       .def("__repr__", [](const Held& self) {
         return fmt::format("<adit.Sweep of {} points at {}>", self.value.points.size(),

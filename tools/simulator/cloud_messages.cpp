@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -25,12 +26,17 @@ Vector3f point_of(const Firing& firing, const Return& back) {
   return (firing.origin + back.range * firing.direction).cast<float>();
 }
 
-/// A cloud that is filled point by point.
+/// A cloud that is filled point by point. Radial speeds come behind the driver's own fields.
 class Cloud {
  public:
-  Cloud(std::vector<ros::PointField> fields, uint32_t point_step) {
+  Cloud(std::vector<ros::PointField> fields, uint32_t point_step, bool doppler) {
     message_.fields = std::move(fields);
     message_.point_step = point_step;
+    if (doppler) {
+      doppler_at_ = point_step;
+      message_.fields.push_back({"doppler", point_step, kFloat32});
+      message_.point_step += sizeof(float);
+    }
   }
 
   void resize(std::size_t points) { data_.resize(points * message_.point_step); }
@@ -38,6 +44,14 @@ class Cloud {
   template <class T>
   void put(std::size_t point, uint32_t offset, const T& value) {
     std::memcpy(data_.data() + point * message_.point_step + offset, &value, sizeof(T));
+  }
+
+  /// NaN where nothing came back.
+  void put_doppler(std::size_t point, const Return& back) {
+    if (doppler_at_) {
+      put(point, *doppler_at_,
+          back.range != 0.0 ? back.doppler : std::numeric_limits<float>::quiet_NaN());
+    }
   }
 
   ros::EncodedEvent encode(Nanoseconds stamp, const std::string& frame, uint32_t height,
@@ -55,6 +69,7 @@ class Cloud {
  private:
   ros::PointCloud2 message_;
   std::vector<std::byte> data_;
+  std::optional<uint32_t> doppler_at_;
 };
 
 std::vector<std::size_t> returned(const RangeSweep& sweep) {
@@ -80,7 +95,7 @@ ros::EncodedEvent velodyne(const RangeSweep& sweep, Nanoseconds stamp, const std
                {"intensity", 12, kFloat32},
                {"ring", 16, kUint16},
                {"time", 18, kFloat32}},
-              22);
+              22, sweep.doppler);
   const std::vector<std::size_t> indices = returned(sweep);
   cloud.resize(indices.size());
   for (std::size_t k = 0; k < indices.size(); ++k) {
@@ -90,6 +105,7 @@ ros::EncodedEvent velodyne(const RangeSweep& sweep, Nanoseconds stamp, const std
     cloud.put(k, 12, back.intensity);
     cloud.put(k, 16, firing.ring);
     cloud.put(k, 18, static_cast<float>(1e-9 * static_cast<double>(firing.time)));
+    cloud.put_doppler(k, back);
   }
   return cloud.encode(stamp, frame, 1, true);
 }
@@ -101,7 +117,7 @@ ros::EncodedEvent hesai(const RangeSweep& sweep, Nanoseconds stamp, const std::s
                {"intensity", 12, kFloat32},
                {"ring", 16, kUint16},
                {"timestamp", 18, kFloat64}},
-              26);
+              26, sweep.doppler);
   const std::vector<std::size_t> indices = returned(sweep);
   cloud.resize(indices.size());
   for (std::size_t k = 0; k < indices.size(); ++k) {
@@ -111,6 +127,7 @@ ros::EncodedEvent hesai(const RangeSweep& sweep, Nanoseconds stamp, const std::s
     cloud.put(k, 12, back.intensity);
     cloud.put(k, 16, firing.ring);
     cloud.put(k, 18, 1e-9 * static_cast<double>(stamp.count() + firing.time));
+    cloud.put_doppler(k, back);
   }
   return cloud.encode(stamp, frame, 1, true);
 }
@@ -126,7 +143,7 @@ ros::EncodedEvent ouster(const RangeSweep& sweep, Nanoseconds stamp, const std::
                {"ring", 26, kUint16},
                {"ambient", 28, kUint16},
                {"range", 32, kUint32}},
-              48);
+              48, sweep.doppler);
   std::set<uint16_t> rings;
   for (const Firing& firing : sweep.firings) {
     rings.insert(firing.ring);
@@ -146,6 +163,7 @@ ros::EncodedEvent ouster(const RangeSweep& sweep, Nanoseconds stamp, const std::
     cloud.put(at, 24, static_cast<uint16_t>(back.intensity));
     cloud.put(at, 26, firing.ring);
     cloud.put(at, 32, static_cast<uint32_t>(back.range > 0.0 ? 1e3 * back.range + 0.5 : 0.0));
+    cloud.put_doppler(at, back);
   }
   return cloud.encode(stamp, frame, static_cast<uint32_t>(height), false);
 }
@@ -153,8 +171,8 @@ ros::EncodedEvent ouster(const RangeSweep& sweep, Nanoseconds stamp, const std::
 /// A picture of points; its rows are the rings.
 ros::EncodedEvent camera(const RangeSweep& sweep, Nanoseconds stamp, const std::string& frame) {
   Cloud cloud(
-      {{"x", 0, kFloat32}, {"y", 4, kFloat32}, {"z", 8, kFloat32}, {"intensity", 12, kFloat32}},
-      16);
+      {{"x", 0, kFloat32}, {"y", 4, kFloat32}, {"z", 8, kFloat32}, {"intensity", 12, kFloat32}}, 16,
+      sweep.doppler);
   cloud.resize(sweep.firings.size());
   for (std::size_t i = 0; i < sweep.firings.size(); ++i) {
     const Return& back = sweep.returns[i];
@@ -163,6 +181,7 @@ ros::EncodedEvent camera(const RangeSweep& sweep, Nanoseconds stamp, const std::
         cloud, i,
         back.range != 0.0 ? point_of(sweep.firings[i], back) : Vector3f::Constant(kNothing));
     cloud.put(i, 12, back.intensity);
+    cloud.put_doppler(i, back);
   }
   return cloud.encode(stamp, frame, sweep.firings.back().ring + 1U, false);
 }

@@ -13,7 +13,17 @@
 namespace adit {
 
 /// What a series of random numbers is for; each has its own.
-enum class RandomStream : uint64_t { scene, range, imu_noise, imu_bias, gnss, fault, change };
+enum class RandomStream : uint64_t {
+  scene,
+  range,
+  imu_noise,
+  imu_bias,
+  gnss,
+  fault,
+  change,
+  wheels,
+  doppler
+};
 
 /// Random numbers that are functions of (seed, stream, index): whichever thread asks for number
 /// `index`, in whatever order, gets the same one, on any machine.

@@ -19,7 +19,7 @@
 namespace adit {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Fault>, 16> kFaults{
+constexpr std::array<std::pair<std::string_view, Fault>, 25> kFaults{
     {{"clock-offset", Fault::clock_offset},
      {"clock-drift", Fault::clock_drift},
      {"gap", Fault::gap},
@@ -35,13 +35,23 @@ constexpr std::array<std::pair<std::string_view, Fault>, 16> kFaults{
      {"rare-spikes", Fault::rare_spikes},
      {"spikes", Fault::spikes},
      {"many-spikes", Fault::many_spikes},
-     {"gaps", Fault::gaps}}};
+     {"gaps", Fault::gaps},
+     {"wheel-scale", Fault::wheel_scale},
+     {"wheel-slip", Fault::wheel_slip},
+     {"wheel-stuck", Fault::wheel_stuck},
+     {"wheel-units", Fault::wheel_units},
+     {"wheel-reversed", Fault::wheel_reversed},
+     {"wheel-axes", Fault::wheel_axes},
+     {"wheel-late", Fault::wheel_late},
+     {"wheel-zero-covariance", Fault::wheel_zero_covariance},
+     {"wheel-negative-covariance", Fault::wheel_negative_covariance}}};
 
 /// Those of the IMU's messages alone.
 constexpr std::array kOfImu{Fault::clock_offset, Fault::clock_drift,  Fault::reordering,
                             Fault::wrong_units,  Fault::swapped_axes, Fault::shock,
                             Fault::rare_spikes,  Fault::spikes,       Fault::many_spikes,
                             Fault::gaps};
+constexpr Fault kFirstOfWheels = Fault::wheel_scale;  // and all after it
 constexpr std::array kSpikes{Fault::rare_spikes, Fault::spikes, Fault::many_spikes};
 
 constexpr double kFirstBlow = 3.0;  // s
@@ -159,12 +169,18 @@ Fault fault_named(std::string_view name) {
                    suggestion(std::string(name), fault_names()) + ".");
 }
 
-void require_seen(const std::vector<std::string>& names, double duration, bool imu) {
+void require_seen(const std::vector<std::string>& names, double duration,
+                  const SimulatedSenses& senses) {
   std::string spikes;
   for (const std::string& name : names) {
     const Fault fault = fault_named(name);
-    if (!imu && std::ranges::count(kOfImu, fault) > 0) {
+    if (!senses.imu && std::ranges::count(kOfImu, fault) > 0) {
       throw UsageError(name + " is one of the IMU, and there is none.");
+    }
+    if (!senses.wheels && fault >= kFirstOfWheels) {
+      throw UsageError(name +
+                       " is one of the wheels, and there are none. --wheels, or use in "
+                       "[wheels] of a scene file, adds them.");
     }
     if (fault == Fault::shock && duration <= kFirstBlow) {
       throw UsageError("shock: the first blow comes after 3 s. Choose a longer duration.");
@@ -241,6 +257,51 @@ void FaultMaker::distort(ImuSample& sample) const {
     };
     sample.linear_acceleration = turned(sample.linear_acceleration);
     sample.angular_velocity = turned(sample.angular_velocity);
+  }
+}
+
+bool FaultMaker::wheels_slip(Nanoseconds time) const {
+  constexpr double kEvery = 10.0;  // s
+  constexpr double kLasts = 2.0;   // s
+  constexpr uint64_t kOfSlip = uint64_t{1} << 40U;
+  const double seconds = 1e-9 * static_cast<double>(time.count());
+  const double window = std::floor(seconds / kEvery);
+  const CounterRandom random(seed_, RandomStream::wheels);
+  const double begin =
+      window * kEvery + (kEvery - kLasts) * random.uniform(kOfSlip + static_cast<uint64_t>(window));
+  return seconds >= begin && seconds < begin + kLasts;
+}
+
+void FaultMaker::distort(BodyVelocity& velocity) const {
+  constexpr double kScale = 1.05;
+  constexpr double kSlip = 1.1;
+  constexpr double kKilometresPerHour = 3.6;
+  if (has(Fault::wheel_scale)) {
+    velocity.linear *= kScale;
+  }
+  if (has(Fault::wheel_slip) && wheels_slip(velocity.stamp)) {
+    velocity.linear *= kSlip;
+  }
+  if (has(Fault::wheel_stuck)) {
+    velocity.linear.setZero();
+  }
+  if (has(Fault::wheel_units)) {
+    velocity.linear *= kKilometresPerHour;
+  }
+  if (has(Fault::wheel_reversed)) {
+    velocity.linear.x() = -velocity.linear.x();
+  }
+  if (has(Fault::wheel_axes)) {
+    std::swap(velocity.linear.x(), velocity.linear.y());
+  }
+  if (has(Fault::wheel_late)) {
+    velocity.stamp += std::chrono::milliseconds(50);
+  }
+  if (has(Fault::wheel_zero_covariance)) {
+    velocity.covariance = Eigen::Matrix3d::Zero();
+  }
+  if (has(Fault::wheel_negative_covariance)) {
+    velocity.covariance = -Eigen::Matrix3d::Identity();
   }
 }
 

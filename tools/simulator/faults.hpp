@@ -33,6 +33,21 @@ enum class Fault {
   spikes,          ///< one in 100
   many_spikes,     ///< one in 20
   gaps,            ///< the IMU is silent for 60 to 150 ms, once in each second
+  wheel_scale,     ///< the wheels read 5 % too much: other tyres than the driver was told of
+  wheel_slip,      ///< they spin: 10 % too much for 2 s, once in every 10 s
+  wheel_stuck,     ///< the encoder is dead: always zero
+  wheel_units,     ///< km/h
+  wheel_reversed,  ///< ahead is reported as back
+  wheel_axes,      ///< x and y are swapped
+  wheel_late,      ///< stamps are 50 ms late
+  wheel_zero_covariance,      ///< all zeros, as of drivers that do not know it
+  wheel_negative_covariance,  ///< variances of -1
+};
+
+/// What a recording has beside range sensors.
+struct SimulatedSenses {
+  bool imu = true;
+  bool wheels = false;
 };
 
 std::vector<std::string> fault_names();
@@ -40,9 +55,10 @@ std::vector<std::string> fault_names();
 /// clock-offset, clock-drift, ... as above. Throws UsageError for other names, with the nearest.
 Fault fault_named(std::string_view name);
 
-/// Throws UsageError where a fault would not be seen in a recording of `duration` (s), with or
-/// without an IMU, or where another one hides it.
-void require_seen(const std::vector<std::string>& names, double duration, bool imu);
+/// Throws UsageError where a fault would not be seen in a recording of `duration` (s), since it is
+/// one of a sensor that is not there, or where another one hides it.
+void require_seen(const std::vector<std::string>& names, double duration,
+                  const SimulatedSenses& senses);
 
 /// Applies faults to what a simulation is about to write.
 class FaultMaker {
@@ -57,6 +73,9 @@ class FaultMaker {
   /// `sample` with its stamp counted from the start of the recording.
   void distort(ImuSample& sample) const;
 
+  /// `velocity` with its stamp counted from the start of the recording.
+  void distort(BodyVelocity& velocity) const;
+
   /// Whether an IMU message that was recorded at `time` from the start is missing on its own.
   bool is_silent(Nanoseconds time) const;
 
@@ -68,6 +87,7 @@ class FaultMaker {
 
  private:
   double spiked_share() const;
+  bool wheels_slip(Nanoseconds time) const;
 
   std::vector<Fault> faults_;
   double duration_;

@@ -79,6 +79,7 @@ struct RangeSensor {
   double resolution = 0.002;       ///< m, ranges come in multiples of it
   double divergence = 0.0015;      ///< rad, half angle of the beam
   double intensity_scale = 100.0;  ///< intensity of a white surface seen straight on
+  bool doppler = false;            ///< measures the radial speed of each return
 };
 
 /// One pulse.

@@ -64,24 +64,34 @@ RangeSimulator::RangeSimulator(const Scene& scene, RangeSensor sensor, const Ran
 }
 
 RangeSweep RangeSimulator::sweep(int64_t index) const {
-  RangeSweep sweep{
-      .start = index * sensor_.period, .firings = firings_of(sensor_, index), .returns = {}};
+  RangeSweep sweep{.start = index * sensor_.period,
+                   .firings = firings_of(sensor_, index),
+                   .returns = {},
+                   .doppler = sensor_.doppler};
   sweep.returns.resize(sweep.firings.size());
   const uint64_t first = static_cast<uint64_t>(index) * 1000000U;  // more than a sweep has
   const std::vector<Mover> near = movers_near(sweep);
   constexpr std::size_t kPiece = 2048;
   in_parallel(sweep.firings.size(), kPiece, [&](std::size_t begin, std::size_t end) {
     Eigen::Isometry3d T_world_lidar = Eigen::Isometry3d::Identity();
+    MotionState motion;
     int64_t posed = -1;
     for (std::size_t i = begin; i < end; ++i) {
       const Firing& firing = sweep.firings[i];
       const double time = 1e-9 * static_cast<double>(sweep.start + firing.time);
       if (firing.time != posed) {
         T_world_lidar = pose(time);
+        if (sensor_.doppler) {
+          motion = mount_.trajectory->at(time);
+        }
         posed = firing.time;
       }
-      sweep.returns[i] = measure(
-          {.firing = &firing, .number = first + i, .time = time, .movers = &near}, T_world_lidar);
+      sweep.returns[i] = measure({.firing = &firing,
+                                  .number = first + i,
+                                  .time = time,
+                                  .motion = &motion,
+                                  .movers = &near},
+                                 T_world_lidar);
     }
   });
   return sweep;
@@ -168,6 +178,28 @@ double RangeSimulator::strength(const Target& target, const Vector3d& direction)
          ratio;
 }
 
+float RangeSimulator::radial_speed(const Pulse& pulse, const Vector3d& direction, uint16_t object,
+                                   const Vector3d& p_world) const {
+  constexpr double kNoise = 0.05;  // m/s; data sheets of FMCW lidars have 0.03 to 0.1
+  constexpr double kStep = 1e-3;   // s, of the difference that stands for the object's velocity
+  const Vector3d p_body = mount_.T_body_lidar * pulse.firing->origin;
+  Vector3d relative = -(pulse.motion->velocity + pulse.motion->T_world_body.linear() *
+                                                     pulse.motion->angular_velocity.cross(p_body));
+  if (object > 0) {
+    const auto& pose_at = scene_->moving[object - 1U].T_world_object;
+    const Eigen::Isometry3d here = pose_at(pulse.time);
+    const Vector3d p_object = here.linear().transpose() * (p_world - here.translation());
+    relative += (pose_at(pulse.time + 0.5 * kStep) * p_object -
+                 pose_at(pulse.time - 0.5 * kStep) * p_object) /
+                kStep;
+  }
+  double speed = relative.dot(direction);
+  if (effects_.noise) {
+    speed += kNoise * CounterRandom(seed_, RandomStream::doppler).gaussians(pulse.number).x();
+  }
+  return static_cast<float>(speed);
+}
+
 Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_world_lidar) const {
   const CounterRandom random(seed_, RandomStream::range);
   const uint64_t base = pulse.number * kLanes;
@@ -180,7 +212,9 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
     const double dust = -repeatable_log(1.0 - random.uniform(base + kDust)) / scene_->dust;
     if (dust < (target ? target->hit.distance : sensor_.farthest) && dust > sensor_.nearest &&
         dust < 0.2 * sensor_.range_at_tenth) {
-      return {.range = dust, .intensity = 1.0F};
+      return {.range = dust,
+              .intensity = 1.0F,
+              .doppler = sensor_.doppler ? radial_speed(pulse, direction, 0, origin) : 0.0F};
     }
   }
   double range = target ? target->hit.distance : 0.0;
@@ -228,6 +262,9 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
   }
   return {.range = range,
           .intensity = static_cast<float>(std::clamp(std::floor(intensity + 0.5), 0.0, 255.0)),
+          .doppler = sensor_.doppler ? radial_speed(pulse, direction, target->object,
+                                                    origin + range * direction)
+                                     : 0.0F,
           .object = target->object};
 }
 

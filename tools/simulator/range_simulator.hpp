@@ -24,6 +24,7 @@ struct RangeEffects {
 struct Return {
   double range = 0.0;      ///< m; 0: nothing
   float intensity = 0.0F;  ///< in the sensor's own scale
+  float doppler = 0.0F;    ///< m/s, how fast the range grows; of sensors that measure it
   uint16_t object = 0;     ///< 0: what stands still or dust; n: moving object n - 1 of the scene
 };
 
@@ -32,6 +33,7 @@ struct RangeSweep {
   int64_t start = 0;  ///< ns from the start of the recording
   std::vector<Firing> firings;
   std::vector<Return> returns;
+  bool doppler = false;  ///< the returns have it
 };
 
 /// How the sensor is carried.
@@ -70,6 +72,7 @@ class RangeSimulator {
     const Firing* firing = nullptr;
     uint64_t number = 0;                         ///< over the whole recording
     double time = 0.0;                           ///< s
+    const MotionState* motion = nullptr;         ///< of the body by then, for the Doppler speed
     const std::vector<Mover>* movers = nullptr;  ///< moving objects within reach
   };
   struct Target {
@@ -86,6 +89,10 @@ class RangeSimulator {
                                         const Eigen::Vector3d& direction, double farthest,
                                         const Pulse& pulse) const;
   double strength(const Target& target, const Eigen::Vector3d& direction) const;
+  /// How fast the range of something grows, m/s: of what stands still, or of moving object n - 1
+  /// of the scene at a point of the world.
+  float radial_speed(const Pulse& pulse, const Eigen::Vector3d& direction, uint16_t object,
+                     const Eigen::Vector3d& p_world) const;
 
   const Scene* scene_;
   RangeSensor sensor_;

@@ -172,7 +172,8 @@ LidarOptions read_lidar(const Reader& reader, const toml::table& table) {
        {"noise", [&](const auto& node) { lidar.effects.noise = reader.truth(node); }},
        {"dropout", [&](const auto& node) { lidar.effects.dropout = reader.truth(node); }},
        {"mixed_pixels", [&](const auto& node) { lidar.effects.mixed_pixels = reader.truth(node); }},
-       {"dust", [&](const auto& node) { lidar.effects.dust = reader.truth(node); }}});
+       {"dust", [&](const auto& node) { lidar.effects.dust = reader.truth(node); }},
+       {"doppler", [&](const auto& node) { lidar.doppler = reader.truth(node); }}});
   lidar.T_imu_lidar = mount.pose();
   return lidar;
 }
@@ -244,6 +245,19 @@ void read_gnss(const Reader& reader, const toml::table& table, SimulationOptions
                        [&](const auto& node) { options.p_imu_antenna = reader.vector(node); }}});
 }
 
+void read_wheels(const Reader& reader, const toml::table& table, SimulationOptions& options) {
+  MountKeys mount{.position = options.T_imu_wheels.translation()};
+  reader.read(table, {{"use", [&](const auto& node) { options.wheels = reader.truth(node); }},
+                      {"rate",
+                       [&](const auto& node) {
+                         require_wheel_rate(options.wheel_rate = reader.whole_number(node));
+                       }},
+                      {"position", [&](const auto& node) { mount.position = reader.vector(node); }},
+                      {"yaw_pitch_roll",
+                       [&](const auto& node) { mount.yaw_pitch_roll = reader.vector(node); }}});
+  options.T_imu_wheels = mount.pose();
+}
+
 }  // namespace
 
 SimulationOptions read_scene_file(const std::filesystem::path& file) {
@@ -284,9 +298,11 @@ SimulationOptions read_scene_file(const std::filesystem::path& file) {
         [&](const auto& node) { read_trajectory_keys(reader, reader.table(node), options); }},
        {"lidar", [&](const auto& node) { read_lidars(reader, node, options); }},
        {"imu", [&](const auto& node) { read_imu(reader, reader.table(node), options); }},
-       {"gnss", [&](const auto& node) { read_gnss(reader, reader.table(node), options); }}});
+       {"gnss", [&](const auto& node) { read_gnss(reader, reader.table(node), options); }},
+       {"wheels", [&](const auto& node) { read_wheels(reader, reader.table(node), options); }}});
   try {
-    require_seen(options.faults, options.duration, options.imu != "none");
+    require_seen(options.faults, options.duration,
+                 {.imu = options.imu != "none", .wheels = options.wheels});
   } catch (const UsageError& error) {
     reader.refuse(*table.get("faults"), error);
   }
@@ -326,6 +342,7 @@ noise = true
 dropout = true
 mixed_pixels = true
 dust = true
+doppler = false  # measures the radial speed of each return
 
 [imu]
 model = "industrial"  # or "none"
@@ -335,6 +352,12 @@ rate = 200  # Hz
 receiver = "none"
 rate = 5  # Hz
 position = [-0.2, 0.05, 0.35]  # m, of the antenna in the IMU's frame
+
+[wheels]
+use = false  # velocities of a vehicle on /wheels
+rate = 50  # Hz
+position = [-0.3, 0.0, -0.5]  # m, in the IMU's frame; they roll along x
+yaw_pitch_roll = [0.0, 0.0, 0.0]  # degrees
 )";
 }
 

@@ -31,14 +31,36 @@ void check_option(const char* name, const Require& require) {
   }
 }
 
+void require_doppler(const LidarOptions& lidar) {
+  const CloudLayout layout = lidar.layout.value_or(range_sensor_named(lidar.sensor).layout);
+  if (lidar.doppler && layout == CloudLayout::livox) {
+    throw UsageError(
+        "Livox's CustomMsg has no field for speeds. Choose --fields velodyne, or another "
+        "sensor.");
+  }
+}
+
 void check(const SimulationOptions& options) {
   check_option("--duration", [&] { require_duration(options.duration); });
   check_option("--change", [&] { require_change(options.change.share); });
   check_option("--later", [&] { require_later(options.later); });
   check_option("--imu-rate", [&] { require_imu_rate(options.imu_rate); });
   check_option("--gnss-rate", [&] { require_gnss_rate(options.gnss_rate); });
-  check_option("--fault",
-               [&] { require_seen(options.faults, options.duration, options.imu != "none"); });
+  check_option("--fault", [&] {
+    require_seen(options.faults, options.duration,
+                 {.imu = options.imu != "none", .wheels = options.wheels});
+  });
+  if (options.wheels) {
+    check_option("--wheels", [&] {
+      require_wheels(motion_named(options.trajectory));
+      require_wheel_rate(options.wheel_rate);
+    });
+  }
+  check_option("--doppler", [&] {
+    for (const LidarOptions& lidar : options.lidars) {
+      require_doppler(lidar);
+    }
+  });
   if (options.speed) {
     check_option("--speed", [&] { require_speed(*options.speed); });
   }
@@ -133,7 +155,45 @@ void write_mounts(const SimulationOptions& options, SimulationRecorder& recorder
     recorder.write("/tf_static", Nanoseconds(0),
                    StaticTransform{kImuFrame, kAntennaFrame, T_imu_antenna}, kImuFrame);
   }
+  if (options.wheels) {
+    recorder.write("/tf_static", Nanoseconds(0),
+                   StaticTransform{kImuFrame, kWheelFrame, options.T_imu_wheels}, kImuFrame);
+  }
 }
+
+/// The sensors beside the range sensors.
+struct Tracks {
+  ImuTrack imu;
+  std::optional<GnssTrack> gnss{};
+  std::optional<WheelTrack> wheels{};
+
+  /// What they measure before `end`, in the order of time.
+  void write_until(Nanoseconds end, SimulationRecorder& recorder, SimulationSummary& summary) {
+    const auto is_next = [&](const auto& track, Nanoseconds before) {
+      return track && track->time() < before;
+    };
+    while (imu.time() < end || is_next(gnss, end) || is_next(wheels, end)) {
+      const Nanoseconds first = std::min(imu.time(), gnss ? gnss->time() : Nanoseconds::max());
+      if (is_next(wheels, first)) {
+        wheels->write_next(recorder, summary);
+      } else if (is_next(gnss, imu.time())) {
+        gnss->write_next(recorder, summary);
+      } else {
+        imu.write_next(recorder, summary);
+      }
+    }
+  }
+
+  void close() {
+    imu.close();
+    if (gnss) {
+      gnss->close();
+    }
+    if (wheels) {
+      wheels->close();
+    }
+  }
+};
 
 std::filesystem::path beside(const std::filesystem::path& recording, const char* ending) {
   return recording.parent_path() / (recording.stem().string() + ending);
@@ -146,6 +206,7 @@ SimulationFiles::SimulationFiles(const std::filesystem::path& file)
       trajectory(beside(file, ".truth.tum")),
       states(beside(file, ".truth.csv")),
       antenna(beside(file, ".truth.antenna.csv")),
+      wheels(beside(file, ".truth.wheels.csv")),
       loops(beside(file, ".truth.loops.csv")),
       labels(beside(file, ".truth.labels")),
       changes(beside(file, ".truth.changes.json")),
@@ -189,10 +250,12 @@ SimulationSummary simulate(
   summary.triangles = scene.mesh.triangles.size();
   summary.crossings = find_crossings([&](double time) { return first.pose(time); },
                                      options.duration, first.still());
-  ImuTrack imu(options, files, trajectory, fault_maker);
-  std::optional<GnssTrack> gnss;
+  Tracks tracks{.imu = ImuTrack(options, files, trajectory, fault_maker)};
   if (options.gnss != "none") {
-    gnss.emplace(options, files, trajectory, first.still(), fault_maker);
+    tracks.gnss.emplace(options, files, trajectory, first.still(), fault_maker);
+  }
+  if (options.wheels) {
+    tracks.wheels.emplace(options, files, trajectory, fault_maker);
   }
   if (!scene.moving.empty()) {
     labels.emplace(files.labels);
@@ -204,13 +267,7 @@ SimulationSummary simulate(
   for (std::size_t i = 0; i < total; ++i) {
     const std::vector<RangeSweep> sweeps = sweeps_at(lidars, i);
     const Nanoseconds end(sweeps.front().start + first.sensor().period);
-    while (imu.time() < end || (gnss && gnss->time() < end)) {
-      if (gnss && gnss->time() < imu.time()) {
-        gnss->write_next(recorder, summary);
-      } else {
-        imu.write_next(recorder, summary);
-      }
-    }
+    tracks.write_until(end, recorder, summary);
     for (std::size_t k = 0; k < lidars.size(); ++k) {
       lidars[k].write(sweeps[k], i, end, recorder, labels, summary);
     }
@@ -222,10 +279,7 @@ SimulationSummary simulate(
   if (fault_maker.has(Fault::truncated)) {
     cut_off(files.recording);
   }
-  imu.close();
-  if (gnss) {
-    gnss->close();
-  }
+  tracks.close();
   if (labels) {
     labels->close();
   }

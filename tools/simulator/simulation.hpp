@@ -18,6 +18,7 @@
 #include "adit/tools/simulator/gnss_model.hpp"
 #include "adit/tools/simulator/range_simulator.hpp"
 #include "adit/tools/simulator/scene_change.hpp"
+#include "adit/tools/simulator/wheel_model.hpp"
 
 namespace adit {
 
@@ -36,6 +37,7 @@ struct LidarOptions {
   std::string frame = "lidar";
   Eigen::Isometry3d T_imu_lidar = lidar_mount();
   RangeEffects effects{};
+  bool doppler = false;                 ///< measures the radial speed of each return
   std::optional<CloudLayout> layout{};  ///< instead of that of the sensor's driver
 };
 
@@ -48,6 +50,9 @@ struct SimulationOptions {
   std::string gnss = "none";       ///< "none": no receiver
   int gnss_rate = 5;               ///< Hz
   Eigen::Vector3d p_imu_antenna = antenna_mount();
+  bool wheels = false;  ///< of a vehicle, on /wheels
+  int wheel_rate = 50;  ///< Hz
+  Eigen::Isometry3d T_imu_wheels = wheel_mount();
   std::vector<std::string> faults{};
   double duration = 60.0;       ///< s
   std::optional<double> speed;  ///< m/s, instead of the scene's
@@ -77,6 +82,7 @@ struct SimulationFiles {
   std::filesystem::path trajectory;  ///< NAME.truth.tum: T_world_lidar at the IMU's rate
   std::filesystem::path states;      ///< NAME.truth.csv: pose, velocity and biases of the IMU
   std::filesystem::path antenna;     ///< NAME.truth.antenna.csv, where there is GNSS
+  std::filesystem::path wheels;      ///< NAME.truth.wheels.csv, where there are wheels
   std::filesystem::path loops;       ///< NAME.truth.loops.csv: places that see the same
   std::filesystem::path labels;      ///< NAME.truth.labels, where something moves
   std::filesystem::path changes;     ///< NAME.truth.changes.json, where objects have changed
@@ -92,6 +98,7 @@ struct SimulationSummary {
   std::size_t pulses = 0;
   std::size_t imu_samples = 0;
   std::size_t gnss_fixes = 0;
+  std::size_t wheel_velocities = 0;
   std::size_t changes = 0;            ///< objects removed or added, a moved one twice
   double path = 0.0;                  ///< m
   double fastest_turn = 0.0;          ///< rad/s

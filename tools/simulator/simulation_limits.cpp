@@ -3,6 +3,7 @@
 #include "adit/tools/simulator/simulation_limits.hpp"
 
 #include <cmath>
+#include <string>
 
 #include <fmt/core.h>
 
@@ -68,6 +69,17 @@ void require_imu_rate(int rate) {
 
 void require_gnss_rate(int rate) {
   require_rate(rate, 1, 20, "1, 5, 10");
+}
+
+void require_wheel_rate(int rate) {
+  require_rate(rate, 5, 500, "10, 20, 50, 100");
+}
+
+void require_wheels(const MotionStyle& style) {
+  if (style.step > 0.0) {
+    throw UsageError(std::string(style.name) +
+                     " is on foot, and has no wheels. Choose drive, stop-and-go or moving-start.");
+  }
 }
 
 void require_way(std::span<const Eigen::Vector3d> corners) {

@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "adit/tools/simulator/motion.hpp"
+
 namespace adit {
 
 void require_duration(double seconds);
@@ -19,6 +21,8 @@ void require_begin(double distance);        ///< m along the way
 void require_corner_radius(double radius);  ///< m
 void require_imu_rate(int rate);            ///< Hz
 void require_gnss_rate(int rate);           ///< Hz
+void require_wheel_rate(int rate);          ///< Hz
+void require_wheels(const MotionStyle& style);
 
 /// The corners of a closed way on the floor, of which the last is followed by the first: it must
 /// have a direction everywhere.

@@ -11,12 +11,20 @@
 namespace adit {
 namespace {
 
-/// What a message of each topic is told apart by, for faults.
-enum TopicNumber : uint64_t { kPoints, kImu, kGnss, kFurtherPoints };
+/// What a message of each topic is told apart by, for faults. Further range sensors count on from
+/// the last one, from 1.
+enum TopicNumber : uint64_t { kPoints, kImu, kGnss, kWheels, kFurtherPoints = kWheels };
 
 /// Each range sensor has noise of its own.
 uint64_t seed_of(uint64_t seed, std::size_t index) {
   return seed + 0x9e3779b97f4a7c15U * index;
+}
+
+/// The sensor with what is asked of it.
+RangeSensor sensor_of(const LidarOptions& options) {
+  RangeSensor sensor = range_sensor_named(options.sensor);
+  sensor.doppler = options.doppler;
+  return sensor;
 }
 
 }  // namespace
@@ -102,11 +110,31 @@ void GnssTrack::write_next(SimulationRecorder& recorder, SimulationSummary& summ
   next_ = fixes_.next();
 }
 
+WheelTrack::WheelTrack(const SimulationOptions& options, const SimulationFiles& files,
+                       const SplineTrajectory& trajectory, const FaultMaker& faults)
+    : wheels_(options.wheel_rate, trajectory, options.T_imu_wheels, options.seed_of_noise()),
+      epoch_(options.epoch()),
+      faults_(&faults),
+      truth_(files.wheels),
+      next_(wheels_.next()) {}
+
+void WheelTrack::write_next(SimulationRecorder& recorder, SimulationSummary& summary) {
+  truth_.write(epoch_, next_);
+  BodyVelocity velocity = next_.velocity;
+  faults_->distort(velocity);
+  velocity.stamp += epoch_;
+  for (int i = faults_->copies(kWheels, index_++, time()); i > 0; --i) {
+    recorder.write("/wheels", time(), velocity, kWheelFrame);
+    ++summary.wheel_velocities;
+  }
+  next_ = wheels_.next();
+}
+
 LidarTrack::LidarTrack(const SimulationOptions& options, std::size_t index, const Scene& scene,
                        const SplineTrajectory& trajectory, const FaultMaker& faults)
     : options_(&options.lidars[index]),
       simulator_(std::make_unique<RangeSimulator>(
-          scene, range_sensor_named(options_->sensor),
+          scene, sensor_of(*options_),
           RangeMount{.trajectory = &trajectory, .T_body_lidar = options_->T_imu_lidar},
           seed_of(options.seed_of_noise(), index), options_->effects)),
       faults_(&faults),

@@ -22,11 +22,13 @@
 #include "adit/tools/simulator/range_simulator.hpp"
 #include "adit/tools/simulator/simulation.hpp"
 #include "adit/tools/simulator/truth_writer.hpp"
+#include "adit/tools/simulator/wheel_model.hpp"
 
 namespace adit {
 
 inline constexpr const char* kImuFrame = "imu";
 inline constexpr const char* kAntennaFrame = "antenna";
+inline constexpr const char* kWheelFrame = "wheels";
 
 /// Puts messages into the recording, channel by channel as they come up. Times are counted from the
 /// start. Throws OutputError.
@@ -86,6 +88,25 @@ class GnssTrack {
   const FaultMaker* faults_;
   AntennaTruthWriter truth_;
   SimulatedFix next_;
+  uint64_t index_ = 0;
+};
+
+/// The wheels' velocities and the true ones. What it is given must outlive it.
+class WheelTrack {
+ public:
+  WheelTrack(const SimulationOptions& options, const SimulationFiles& files,
+             const SplineTrajectory& trajectory, const FaultMaker& faults);
+
+  Nanoseconds time() const { return next_.received; }  ///< time of what is written next
+  void write_next(SimulationRecorder& recorder, SimulationSummary& summary);
+  void close() { truth_.close(); }
+
+ private:
+  WheelSimulator wheels_;
+  Nanoseconds epoch_;
+  const FaultMaker* faults_;
+  WheelTruthWriter truth_;
+  SimulatedWheels next_;
   uint64_t index_ = 0;
 };
 

@@ -93,6 +93,17 @@ void AntennaTruthWriter::write(Nanoseconds epoch, const SimulatedFix& fix) {
   file_.write(line + (fix.outlier ? ",1\n" : ",0\n"));
 }
 
+WheelTruthWriter::WheelTruthWriter(const std::filesystem::path& file) : file_(file) {
+  file_.write("t_s,vx_m_s,vy_m_s,vz_m_s,scale\n");
+}
+
+void WheelTruthWriter::write(Nanoseconds epoch, const SimulatedWheels& wheels) {
+  std::string line = stamp_text(epoch + wheels.velocity.stamp);
+  append(line, wheels.truth);
+  append(line, wheels.scale);
+  file_.write(line + "\n");
+}
+
 void write_labels(OutputFile& file, const RangeSweep& sweep) {
   std::vector<char> bytes;
   for (const Return& back : sweep.returns) {

@@ -9,6 +9,7 @@
 #include "adit/tools/simulator/imu_model.hpp"
 #include "adit/tools/simulator/range_simulator.hpp"
 #include "adit/tools/simulator/scene.hpp"
+#include "adit/tools/simulator/wheel_model.hpp"
 #include "adit/tools/support/output_file.hpp"
 
 namespace adit {
@@ -37,6 +38,19 @@ class AntennaTruthWriter {
   explicit AntennaTruthWriter(const std::filesystem::path& file);
 
   void write(Nanoseconds epoch, const SimulatedFix& fix);
+  void close() { file_.close(); }
+
+ private:
+  OutputFile file_;
+};
+
+/// Writes how fast the frame of the wheels really was.
+class WheelTruthWriter {
+ public:
+  /// CSV with a head line. Throws OutputError.
+  explicit WheelTruthWriter(const std::filesystem::path& file);
+
+  void write(Nanoseconds epoch, const SimulatedWheels& wheels);
   void close() { file_.close(); }
 
  private:
