@@ -222,6 +222,7 @@ struct GnssConfig {
 /// Doppler speed; fused with the inertial sensor (docs/theory/velocity.md).
 struct VelocityConfig {
   bool use = true;
+  bool doppler = true;
   std::optional<std::array<double, 7>> T_lidar_sensor{};
   double sigma = 0.05;  ///< m/s
   double scale_sigma = 0.05;
@@ -230,9 +231,13 @@ struct VelocityConfig {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
-    field("use", self.use, "",
-          "true: the velocities of recording.velocity_topic, and those that points have, are "
-          "fused with the IMU; false: they are left alone");
+    field(
+        "use", self.use, "",
+        "true: the velocities of recording.velocity_topic are fused with the IMU; false: they are "
+        "left alone");
+    field("doppler", self.doppler, "",
+          "true: Doppler speeds that points have are, too, and points that move are left out; "
+          "false: they are left alone");
     field("T_lidar_sensor", self.T_lidar_sensor, "m, quaternion",
           "pose of the sensor of velocities in the lidar's axes: x y z qx qy qz qw; where it is "
           "not given, the recording's static transforms tell it, or else its axes are taken to be "

@@ -331,7 +331,7 @@ class OfflineSlam final : public Slam {
 
   /// Points that move are taken out, as without a return: how many.
   std::size_t take_doppler(Sweep& sweep) {
-    const auto fit = velocity_.use ? fit_doppler(sweep) : std::nullopt;
+    const auto fit = velocity_.doppler ? fit_doppler(sweep) : std::nullopt;
     if (!fit) {
       return 0;
     }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 
 #include "adit/slam/fusion/velocity_factor.hpp"
 
@@ -104,8 +104,8 @@ bool VelocityWatch::contradicted() const {
   return error > kPriorSigmas * scale_sigma_ * speed;
 }
 
-// By the rotation and the scale of least squares; a body that goes straight shows no more of the
-// rotation than how its direction is turned.
+// By the rotation and the scale of least squares, from the singular values of `mixed`; a body that
+// goes straight shows no more of the rotation than how its direction is turned.
 std::optional<VelocityComparison> VelocityWatch::comparison() const {
   if (moving_.size() < kFewest) {
     return std::nullopt;
@@ -118,9 +118,10 @@ std::optional<VelocityComparison> VelocityWatch::comparison() const {
     measured += one.measured.squaredNorm();
     predicted += one.predicted.squaredNorm();
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(mixed, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double common = svd.singularValues().sum();
-  const double along = svd.matrixU().col(0).dot(svd.matrixV().col(0));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> squared(mixed.transpose() * mixed);
+  const double common = squared.eigenvalues().cwiseMax(0.0).cwiseSqrt().sum();
+  const Eigen::Vector3d from = squared.eigenvectors().col(2);
+  const double along = from.dot((mixed * from).normalized());
   const double scale = measured > 0.0 ? common / measured : 0.0;
   const auto count = static_cast<double>(moving_.size());
   return VelocityComparison{.speed = std::sqrt(predicted / count),

@@ -15,8 +15,9 @@ namespace {
 // Between neighbours farther apart the velocity is not known: the slowest sources give five a
 // second, and one may be missing.
 constexpr Nanoseconds kFarthestApart = std::chrono::milliseconds(450);
-// An axis that is not measured, m/s.
-constexpr double kUnmeasured = 1e3;
+// m/s. What a velocity may be on an axis that is not measured: somebody who is carried or driven
+// hardly goes faster sideways.
+constexpr double kUnmeasured = 10.0;
 
 /// A velocity with zero where nothing is measured, and its variances.
 struct Known {

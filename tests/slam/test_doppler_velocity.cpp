@@ -16,7 +16,8 @@ constexpr double kNoise = 0.05;  // m/s
 
 /// A turn of 0.1 s of a sensor with that velocity and acceleration, whose every `each`-th point is
 /// of something that walks past.
-Sweep turn(const Eigen::Vector3d& velocity, const Eigen::Vector3d& acceleration, int each = 0,
+Sweep turn(const Eigen::Vector3d& velocity,
+           const Eigen::Vector3d& acceleration = Eigen::Vector3d::Zero(), int each = 0,
            int points = 6000) {
   std::mt19937_64 random(11);
   std::normal_distribution<double> normal(0.0, kNoise);
@@ -56,7 +57,7 @@ TEST(DopplerVelocity, IsTheSensorsAtTheMiddleOfTheSweep) {
 
 TEST(DopplerVelocity, WhatMovesIsNamedAndDoesNotCount) {
   const Eigen::Vector3d velocity(1.5, 0.3, 0.0);
-  const auto fit = fit_doppler(turn(velocity, {}, 5));
+  const auto fit = fit_doppler(turn(velocity, Eigen::Vector3d::Zero(), 5));
   ASSERT_TRUE(fit);
   EXPECT_LE((fit->velocity.linear - velocity).norm(), 0.03);
   EXPECT_EQ(fit->moving.size(), 6000U / 5U);
@@ -66,7 +67,7 @@ TEST(DopplerVelocity, WhatMovesIsNamedAndDoesNotCount) {
 }
 
 TEST(DopplerVelocity, ADirectionThatNoPointShowsIsNotKnown) {
-  Sweep ahead = turn({2.0, 0.0, 0.0}, {});
+  Sweep ahead = turn({2.0, 0.0, 0.0});
   for (std::size_t i = 0; i < ahead.points.size(); ++i) {
     ahead.points[i] = {10.0F, 0.0F, 0.0F, 0.0F};
     ahead.doppler[i] = -2.0F;
@@ -78,13 +79,13 @@ TEST(DopplerVelocity, ADirectionThatNoPointShowsIsNotKnown) {
 }
 
 TEST(DopplerVelocity, WithoutSpeedsThereIsNone) {
-  Sweep sweep = turn({2.0, 0.0, 0.0}, {});
+  Sweep sweep = turn({2.0, 0.0, 0.0});
   sweep.doppler.clear();
   EXPECT_FALSE(fit_doppler(sweep));
-  sweep = turn({2.0, 0.0, 0.0}, {});
+  sweep = turn({2.0, 0.0, 0.0});
   std::ranges::fill(sweep.doppler, std::numeric_limits<float>::quiet_NaN());
   EXPECT_FALSE(fit_doppler(sweep));
-  EXPECT_FALSE(fit_doppler(turn({2.0, 0.0, 0.0}, {}, 0, 10)));
+  EXPECT_FALSE(fit_doppler(turn({2.0, 0.0, 0.0}, Eigen::Vector3d::Zero(), 0, 10)));
 }
 
 }  // namespace

@@ -54,7 +54,11 @@ GraphDrive drive(int sweeps, uint64_t seed) {
     truth.bias = bias;
     result.truth.push_back(truth);
     if (i == 0) {
-      const StateVector error = start_sigma().cwiseProduct(StateVector::NullaryExpr(draw));
+      StateVector error = start_sigma();
+      for (int k = 0; k < kScaleAt; ++k) {
+        error[k] *= draw();
+      }
+      error.tail<3>().setZero();  // there is no sensor of velocities
       result.start = independent_prior(retract(truth, error), start_sigma());
       result.readings.emplace_back();
     } else {

@@ -13,6 +13,7 @@
 namespace adit {
 namespace {
 
+const Eigen::Vector3d kNoBias = Eigen::Vector3d::Zero();
 const Eigen::Isometry3d kSensor = test::turned_mounting();  // T_body_sensor
 
 /// What a sensor at kSensor reads at that time.
@@ -37,8 +38,8 @@ TEST(MeasuredWay, IsTheSensorsOwn) {
   const test::WavyMotion motion = test::hand_held_motion();
   const VelocityBuffer buffer = velocities(motion, 0.0, 1.0);
   for (const double begin : {0.1, 0.33, 0.7}) {
-    const auto way =
-        measured_way(buffer, test::readings(motion, begin, begin + 0.1, 200.0), {}, kSensor, 0.05);
+    const auto way = measured_way(buffer, test::readings(motion, begin, begin + 0.1, 200.0),
+                                  kNoBias, kSensor, 0.05);
     ASSERT_TRUE(way);
     const LinkFactor<3> factor =
         velocity_factor(*way, motion.state(begin), motion.state(begin + 0.1));
@@ -52,13 +53,14 @@ TEST(MeasuredWay, IsUnknownWhereVelocitiesAreFarApart) {
   const test::WavyMotion motion = test::hand_held_motion();
   const auto readings = test::readings(motion, 0.4, 0.6, 200.0);
   VelocityBuffer buffer;
-  EXPECT_FALSE(measured_way(buffer, readings, {}, kSensor, 0.05));
+  EXPECT_FALSE(measured_way(buffer, readings, kNoBias, kSensor, 0.05));
   EXPECT_TRUE(buffer.add(velocity_at(motion, 0.3)));
-  EXPECT_FALSE(measured_way(buffer, readings, {}, kSensor, 0.05)) << "it is old at the end";
+  EXPECT_FALSE(measured_way(buffer, readings, kNoBias, kSensor, 0.05)) << "it is old at the end";
   EXPECT_TRUE(buffer.add(velocity_at(motion, 0.8)));
-  EXPECT_FALSE(measured_way(buffer, readings, {}, kSensor, 0.05)) << "half a second is too far";
+  EXPECT_FALSE(measured_way(buffer, readings, kNoBias, kSensor, 0.05))
+      << "half a second is too far";
   EXPECT_FALSE(buffer.add(velocity_at(motion, 0.5))) << "it comes too late";
-  EXPECT_TRUE(measured_way(velocities(motion, 0.3, 0.7), readings, {}, kSensor, 0.05));
+  EXPECT_TRUE(measured_way(velocities(motion, 0.3, 0.7), readings, kNoBias, kSensor, 0.05));
 }
 
 TEST(MeasuredWay, AnAxisThatIsNotMeasuredHoldsNothing) {
@@ -69,16 +71,17 @@ TEST(MeasuredWay, AnAxisThatIsNotMeasuredHoldsNothing) {
     velocity.linear[2] = std::numeric_limits<double>::quiet_NaN();
     buffer.add(velocity);
   }
-  const auto way = measured_way(buffer, test::readings(motion, 0.2, 0.3, 200.0), {}, kSensor, 0.05);
+  const auto way =
+      measured_way(buffer, test::readings(motion, 0.2, 0.3, 200.0), kNoBias, kSensor, 0.05);
   ASSERT_TRUE(way && way->way.allFinite());
   NavState to = motion.state(0.3);
   const double at_it = velocity_factor(*way, motion.state(0.2), to).residual.norm();
   to.T_map_body.translation() +=
       motion.state(0.2).T_map_body.linear() * kSensor.linear() * Eigen::Vector3d(0.0, 0.0, 1.0);
-  EXPECT_NEAR(velocity_factor(*way, motion.state(0.2), to).residual.norm(), at_it, 5.0);
+  EXPECT_NEAR(velocity_factor(*way, motion.state(0.2), to).residual.norm(), at_it, 2.0);
   to.T_map_body.translation() +=
       motion.state(0.2).T_map_body.linear() * kSensor.linear() * Eigen::Vector3d(1.0, 0.0, 0.0);
-  EXPECT_GT(velocity_factor(*way, motion.state(0.2), to).residual.norm(), 100.0);
+  EXPECT_GT(velocity_factor(*way, motion.state(0.2), to).residual.norm(), 10.0);
 }
 
 TEST(VelocityFactor, JacobiansEqualNumericalDifferentiation) {
@@ -88,8 +91,8 @@ TEST(VelocityFactor, JacobiansEqualNumericalDifferentiation) {
   const VelocityBuffer buffer = velocities(motion, 0.0, 3.0);
   for (int run = 0; run < 20; ++run) {
     const double begin = 0.1 * run + 0.1;
-    auto way =
-        measured_way(buffer, test::readings(motion, begin, begin + 0.1, 200.0), {}, kSensor, 0.05);
+    auto way = measured_way(buffer, test::readings(motion, begin, begin + 0.1, 200.0), kNoBias,
+                            kSensor, 0.05);
     ASSERT_TRUE(way);
     way->source = run % 4 == 0 ? VelocitySource::doppler : VelocitySource::sensor;
     const auto off = [&] {

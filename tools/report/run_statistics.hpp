@@ -110,7 +110,7 @@ class RunStatistics {
   std::size_t sweeps() const { return sweeps_; }
   std::size_t deskewed() const { return deskewed_; }  ///< sweeps
   const InertialStatistics& inertial() const { return inertial_; }
-  const VelocityStatistics& velocity() const { return velocity_; }
+  const VelocityFusionStatistics& velocity() const { return velocity_; }
   std::size_t keyframes() const { return keyframes_; }
   std::size_t count(OdometryState state) const { return states_[static_cast<std::size_t>(state)]; }
   std::size_t count(RegistrationStatus status) const {
@@ -139,7 +139,7 @@ class RunStatistics {
 
   Config config_;
   InertialStatistics inertial_;
-  VelocityStatistics velocity_;
+  VelocityFusionStatistics velocity_;
   LeftOut left_out_;
   RunAssessor assessor_;
   MovedByLoops moved_by_loops_;

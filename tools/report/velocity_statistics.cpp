@@ -50,7 +50,7 @@ std::string describe(const VelocityComparison& found) {
                      in_kilometres ? ": is it in km/h?" : "");
 }
 
-void VelocityStatistics::add(const SweepResult& result) {
+void VelocityFusionStatistics::add(const SweepResult& result) {
   for (const VelocityReport& report : result.inertial.velocities) {
     Source& source = sources_[static_cast<std::size_t>(report.source)];
     ++source.sweeps;
@@ -69,21 +69,11 @@ void VelocityStatistics::add(const SweepResult& result) {
   }
 }
 
-bool VelocityStatistics::any() const {
+bool VelocityFusionStatistics::any() const {
   return std::ranges::any_of(sources_, [](const Source& one) { return one.sweeps > 0; });
 }
 
-std::vector<VelocitySource> VelocityStatistics::refused() const {
-  std::vector<VelocitySource> result;
-  for (const VelocitySource which : kSources) {
-    if (2 * source(which).refused > source(which).sweeps) {
-      result.push_back(which);
-    }
-  }
-  return result;
-}
-
-ordered_json VelocityStatistics::to_json() const {
+ordered_json VelocityFusionStatistics::to_json() const {
   ordered_json json = ordered_json::object();
   for (const VelocitySource which : kSources) {
     const Source& one = source(which);
@@ -110,7 +100,7 @@ ordered_json VelocityStatistics::to_json() const {
   return json;
 }
 
-std::vector<std::string> VelocityStatistics::text() const {
+std::vector<std::string> VelocityFusionStatistics::text() const {
   std::vector<std::string> lines;
   for (const VelocitySource which : kSources) {
     const Source& one = source(which);

@@ -20,13 +20,11 @@ namespace adit {
 std::string describe(const VelocityComparison& comparison);
 
 /// Adds up sweeps.
-class VelocityStatistics {
+class VelocityFusionStatistics {
  public:
   void add(const SweepResult& result);
 
   bool any() const;
-  /// Sources that were refused in more than half of the sweeps that they measured.
-  std::vector<VelocitySource> refused() const;
 
   /// The "velocity" of summary.json.
   nlohmann::ordered_json to_json() const;
