@@ -87,7 +87,7 @@ def test_odometry_fuses_an_imu(drive):
         result = odometry.register_frame(sweep)
     assert result.inertial.state == "fused" and result.state == "tracking"
     assert np.linalg.norm(result.inertial.gravity) == pytest.approx(9.8, abs=0.1)
-    assert result.inertial.state_covariance.shape == (17, 17)
+    assert result.inertial.state_covariance.shape == (20, 20)
 
 
 def test_kitti_gives_the_bytes_of_adit_run(program, tmp_path):

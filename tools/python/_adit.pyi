@@ -14,7 +14,7 @@ _Numbers = Union[Sequence[float], npt.NDArray[np.floating[Any]]]
 _Source = Union[Config, Mapping[str, Any], _Path, None]
 _Device = Union[Device, str, None]
 _Method = Literal["vgicp", "ndt", "point-to-plane", "ndt-to-ndt"]
-_Measurement = Union[Sweep, ImuSample, GnssFix, StaticTransform]
+_Measurement = Union[Sweep, ImuSample, GnssFix, BodyVelocity, StaticTransform]
 _Event = Union[Sweep, ImuSample, GnssFix, BodyVelocity, StaticTransform, ReferencePose]
 _Result = Union[SweepPlaced, SweepLeftOut, ReadingTaken]
 

@@ -150,6 +150,8 @@ std::optional<SweepPlaced> PlacedSweeps::next() {
       slam_->add(*reading, event->frame);
     } else if (const auto* fix = std::get_if<GnssFix>(&event->value)) {
       slam_->add(*fix, event->frame);
+    } else if (const auto* velocity = std::get_if<BodyVelocity>(&event->value)) {
+      slam_->add(*velocity, event->frame);
     }
   }
 }
