@@ -105,8 +105,9 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
   std::vector<MeasuredWay> trusted;
   for (MeasuredWay& way : ways) {
     VelocityWatch& watch = watches_[static_cast<size_t>(way.source)];
-    result.velocities.push_back(watch.judge(way, graph_.latest(), pending.prediction));
-    if (!result.velocities.back().refused) {
+    const VelocityReport report = watch.judge(way, graph_.latest(), pending.prediction);
+    result.velocities.push_back(report);
+    if (!report.on_trial && !report.refused) {
       trusted.push_back(way);
     }
   }

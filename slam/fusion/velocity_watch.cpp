@@ -74,6 +74,7 @@ VelocityReport VelocityWatch::judge(MeasuredWay& measured, const NavState& from,
   VelocityReport report{.source = measured.source,
                         .innovation = innovation(measured, from, prediction)};
   note(report.innovation);
+  report.on_trial = on_trial();
   report.refused = contradicted();
   report.comparison = comparison();
   measured.covariance *= variance_scale();
@@ -92,11 +93,15 @@ void VelocityWatch::note(const VelocityInnovation& innovation) {
 }
 
 double VelocityWatch::variance_scale() const {
-  return moving_.size() < kFewest ? 1.0 : std::max(1.0, median_nis(moving_) / kMedianChiSquared);
+  return on_trial() ? 1.0 : std::max(1.0, median_nis(moving_) / kMedianChiSquared);
+}
+
+bool VelocityWatch::on_trial() const {
+  return moving_.size() < kFewest;
 }
 
 bool VelocityWatch::contradicted() const {
-  if (moving_.size() < kFewest || variance_scale() < kSigmas * kSigmas) {
+  if (on_trial() || variance_scale() < kSigmas * kSigmas) {
     return false;
   }
   const double error = median(moving_, [](const auto& one) { return one.error.norm(); });
@@ -107,7 +112,7 @@ bool VelocityWatch::contradicted() const {
 // By the rotation and the scale of least squares, from the singular values of `mixed`; a body that
 // goes straight shows no more of the rotation than how its direction is turned.
 std::optional<VelocityComparison> VelocityWatch::comparison() const {
-  if (moving_.size() < kFewest) {
+  if (on_trial()) {
     return std::nullopt;
   }
   Eigen::Matrix3d mixed = Eigen::Matrix3d::Zero();

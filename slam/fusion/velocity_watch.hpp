@@ -37,6 +37,7 @@ struct VelocityComparison {
 struct VelocityReport {
   VelocitySource source = VelocitySource::sensor;
   VelocityInnovation innovation;  ///< of the way since the last sweep
+  bool on_trial = false;          ///< the body has hardly moved since it came: it was not fused yet
   bool refused = false;           ///< it is not this body's velocity, and was not fused
   std::optional<VelocityComparison> comparison{};  ///< of the last seconds of motion
 };
@@ -56,6 +57,8 @@ class VelocityWatch {
   void note(const VelocityInnovation& innovation);
   /// What the variances that are promised are to be multiplied by, at least 1.
   double variance_scale() const;
+  /// Too little motion has shown that it measures this body's velocity.
+  bool on_trial() const;
   /// The last innovations are neither noise nor an error of scale or mounting that is estimated.
   bool contradicted() const;
   /// Of the last innovations; nothing where there are too few.

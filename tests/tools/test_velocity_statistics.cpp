@@ -48,15 +48,19 @@ TEST(VelocityFusionStatistics, CountsWhatWasFusedAndWhatWasRefused) {
   statistics.add(sweep(false));
   statistics.add(sweep(false));
   statistics.add(sweep(true));
+  SweepResult tried = sweep(false);
+  tried.inertial.velocities.front().on_trial = true;
+  statistics.add(tried);
   ASSERT_TRUE(statistics.any());
   const auto json = statistics.to_json();
   EXPECT_FALSE(json.contains("doppler"));
-  EXPECT_EQ(json["sensor"]["sweeps"], 3);
+  EXPECT_EQ(json["sensor"]["sweeps"], 4);
+  EXPECT_EQ(json["sensor"]["fused"], 2);
   EXPECT_EQ(json["sensor"]["refused"], 1);
   EXPECT_DOUBLE_EQ(json["sensor"]["innovation_squared_per_degree"], 2.0);
   EXPECT_DOUBLE_EQ(json["sensor"]["scale"], 1.02);
   ASSERT_EQ(statistics.text().size(), 1U);
-  EXPECT_NE(statistics.text().front().find("2 of 3 sweeps fused"), std::string::npos);
+  EXPECT_NE(statistics.text().front().find("2 of 4 sweeps fused"), std::string::npos);
   EXPECT_NE(statistics.text().front().find("stays near zero"), std::string::npos);
 }
 

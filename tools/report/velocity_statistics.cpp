@@ -57,7 +57,8 @@ void VelocityFusionStatistics::add(const SweepResult& result) {
     if (report.refused) {
       ++source.refused;
       source.contradiction = report.comparison;
-    } else {
+    } else if (!report.on_trial) {
+      ++source.fused;
       source.nis += report.innovation.nis;
     }
   }
@@ -80,12 +81,13 @@ ordered_json VelocityFusionStatistics::to_json() const {
     if (one.sweeps == 0) {
       continue;
     }
-    const std::size_t used = one.sweeps - one.refused;
     ordered_json& of = json[std::string(to_string(which))];
     of = {{"sweeps", one.sweeps},
+          {"fused", one.fused},
           {"refused", one.refused},
           {"innovation_squared_per_degree",
-           used > 0 ? ordered_json(one.nis / (3.0 * static_cast<double>(used))) : ordered_json()},
+           one.fused > 0 ? ordered_json(one.nis / (3.0 * static_cast<double>(one.fused)))
+                         : ordered_json()},
           {"why_refused",
            one.contradiction ? ordered_json(describe(*one.contradiction)) : ordered_json()}};
     if (which == VelocitySource::sensor) {
@@ -108,8 +110,8 @@ std::vector<std::string> VelocityFusionStatistics::text() const {
       continue;
     }
     std::string line = which == VelocitySource::sensor ? "sensor: " : "Doppler: ";
-    line += fmt::format("{} of {} sweeps fused", one.sweeps - one.refused, one.sweeps);
-    if (which == VelocitySource::sensor && one.refused < one.sweeps) {
+    line += fmt::format("{} of {} sweeps fused", one.fused, one.sweeps);
+    if (which == VelocitySource::sensor && one.fused > 0) {
       line += fmt::format(", scale {:.3f} (+- {:.3f}), turned by {:.1f} and {:.1f} degrees",
                           1.0 + calibration_.scale, 2.0 * calibration_sigma_[0],
                           kDegreesPerRadian * calibration_.turn[0],

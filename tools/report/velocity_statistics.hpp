@@ -34,8 +34,9 @@ class VelocityFusionStatistics {
  private:
   struct Source {
     std::size_t sweeps = 0;   ///< whose way from the sweep before it was measured
-    std::size_t refused = 0;  ///< of them
-    double nis = 0.0;         ///< sum over those that were not
+    std::size_t fused = 0;    ///< of them
+    std::size_t refused = 0;  ///< likewise; the others were on trial
+    double nis = 0.0;         ///< sum over those that were fused
     std::optional<VelocityComparison> contradiction{};  ///< the last of a refused way
   };
   const Source& source(VelocitySource which) const {
