@@ -8,6 +8,8 @@
 #include <numeric>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 #include "adit/slam/fusion/state_checks.hpp"
 
 namespace adit {
@@ -57,8 +59,12 @@ FailedCheck check_of(GraphFailure failure, StateQuantity quantity) {
 
 }  // namespace
 
+Eigen::Isometry3d matched_pose(const RegistrationResult& alignment) {
+  return measured_pose(alignment, kWhiteModel, Eigen::Isometry3d::Identity()).T_map_body;
+}
+
 FusedMotion::FusedMotion(const GraphSettings& settings, const SensorStart& start)
-    : graph_(settings) {
+    : graph_(settings), inflation_(kWhiteModel.kappa) {
   graph_.start(prior_of(start));
 }
 
@@ -76,6 +82,17 @@ std::variant<StateEstimate, FailedCheck> FusedMotion::predict(std::vector<ImuSam
   return prediction;
 }
 
+// What all alignments err by alike is an error between the prediction and the matches, too.
+Matrix6d FusedMotion::pose_prior(const Matrix6d& lidar_covariance) const {
+  Vector6d floor;
+  floor << Eigen::Vector3d::Constant(kWhiteModel.sigma_translation),
+      Eigen::Vector3d::Constant(kWhiteModel.sigma_rotation);
+  Matrix6d covariance = lidar_covariance;
+  covariance.diagonal() += floor.cwiseAbs2();
+  const Matrix6d information = inflation_ * covariance.ldlt().solve(Matrix6d::Identity());
+  return 0.5 * (information + information.transpose());
+}
+
 FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
                              const Eigen::Isometry3d& T_body_lidar, const CheckContext& context) {
   Pending pending = *std::exchange(pending_, std::nullopt);
@@ -85,6 +102,7 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
   std::optional<PoseMeasurement> measurement;
   if (alignment != nullptr) {
     measurement = measured_pose(*alignment, kWhiteModel, T_body_lidar);
+    inflation_ = inflation(*alignment, kWhiteModel);
     result.innovation = innovation(pending.prediction, *measurement);
     const auto degrees = static_cast<size_t>(measurement->known_directions);
     result.innovation_gate = kBeyondBelief * kChiSquared999[degrees];

@@ -31,6 +31,10 @@ struct FusedSweep {
   double scale = 1.0;
 };
 
+/// The pose of the lidar that the matches of an alignment measured, whatever prior it was weighed
+/// against.
+Eigen::Isometry3d matched_pose(const RegistrationResult& alignment);
+
 /// A sensor that is fused: the sliding graph, with the sweep that is under way.
 class FusedMotion {
  public:
@@ -45,6 +49,9 @@ class FusedMotion {
   /// The prediction of the sweep under way; null if there is none.
   const StateEstimate* prediction() const { return pending_ ? &pending_->prediction : nullptr; }
   void forget_prediction() { pending_.reset(); }
+  /// What the next alignment weighs against its matches: the information of this covariance of
+  /// T_map_lidar, in units of their Hessian, as the last alignment tells these.
+  Matrix6d pose_prior(const Matrix6d& lidar_covariance) const;
 
   /// Fuses the sweep under way: by its alignment, or by inertia alone where that is null.
   FusedSweep fuse(const RegistrationResult* alignment, const Eigen::Isometry3d& T_body_lidar,
@@ -67,6 +74,7 @@ class FusedMotion {
 
   SlidingGraph graph_;
   std::optional<Pending> pending_;
+  double inflation_;                ///< of the last alignment's covariance
   std::deque<double> innovations_;  ///< squared, a degree of freedom, of the last alignments
   int outliers_ = 0;                ///< in a row: innovations beyond the gate
   double surprises_ = 0.0;          ///< what they add up to
