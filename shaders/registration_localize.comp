@@ -58,7 +58,7 @@ void decide(uint at, float sums[kSupports]) {
   }
   progress[at].phase = kPhaseDone;
   if (weak && push.serves == kPhaseLocalize && push.max_iterations > 0) {
-    states[at].constrained = 1;
+    states[at].constrained = kWithoutWeak;
     progress[at].phase = kPhaseConstrained;
     progress[at].iterations = 0;
     progress[at].converged = 0;

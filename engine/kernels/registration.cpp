@@ -74,10 +74,13 @@ uint64_t RegistrationKernels::scratch_bytes(uint32_t count, uint32_t group_strid
 void RegistrationKernels::write_start(std::span<std::byte> bytes, uint32_t count,
                                       uint32_t group_stride, uint32_t phase) {
   const uint32_t steps = phase == gpu::kPhaseIterate ? group_stride : 0;
-  const gpu::RegistrationHeader header{.iterate = {steps, count, 1, count},
-                                       .assess = {group_stride, count, 1, count},
-                                       .constrained = {0, count, 1, 0},
-                                       .reassess = {0, count, 1, 0}};
+  const bool with_prior = phase == gpu::kPhaseConstrained;
+  const uint32_t constrained = with_prior ? group_stride : 0;
+  const gpu::RegistrationHeader header{
+      .iterate = {steps, count, 1, with_prior ? 0 : count},
+      .assess = {group_stride, count, 1, count},
+      .constrained = {constrained, count, 1, with_prior ? count : 0},
+      .reassess = {constrained, count, 1, 0}};
   std::memcpy(bytes.data(), &header, sizeof(header));
   const gpu::RegistrationProgress progress{.phase = phase,
                                            .iterations = 0,

@@ -139,10 +139,11 @@ void weaken(inout float h[36], inout float gradient[6], vec3 v, uint at, float s
   }
 }
 
-// The system of a constrained step: weak directions taken out, the prior added.
+// The system of a constrained step: the prior added, and weak directions taken out unless the prior
+// has been weighed against the matches.
 void constrain(uint job, inout float h[36], inout float gradient[6]) {
   take_out_fictitious(h, gradient);
-  for (uint k = 0; k < 6; ++k) {
+  for (uint k = 0; k < 6 && states[job].constrained == kWithoutWeak; ++k) {
     if (states[job].share[k] < 1.0) {
       weaken(h, gradient, states[job].directions[k].xyz, k < 3 ? 0 : 3, states[job].share[k]);
     }

@@ -27,10 +27,15 @@ const uint kGemanMcClure = 3;  // 1 / (1 + u^2)^2
 const uint kPhaseIterate = 0;      // a linearisation and its step
 const uint kPhaseAssess = 1;       // the sums at the final pose
 const uint kPhaseLocalize = 2;     // which directions the normals of its matches hold
-const uint kPhaseConstrained = 3;  // steps with the prior, weak directions taken out
+const uint kPhaseConstrained = 3;  // steps with the prior
 const uint kPhaseReassess = 4;     // as kPhaseAssess, after constrained steps
 const uint kPhaseRelocalize = 5;
 const uint kPhaseDone = 6;
+
+// RegistrationState::constrained.
+const uint kUnconstrained = 0;  // the result is the matches' alone
+const uint kWithoutWeak = 1;    // weak directions were taken out, and the prior decides there
+const uint kWithPrior = 2;      // the prior and the matches weigh by their information
 
 // The largest factor of a step (registration_step.glsl).
 const float kLongest = 2.0f;
@@ -101,7 +106,7 @@ struct RegistrationState {
                        // ascending, with their eigenvalues (1/m^2, 1/rad^2)
   vec2 support[6];   // per direction: by matches with agreeing normals; information a match, 1/m^2
   float share[6];    // share of its information that a direction keeps: 0 none, 1 full
-  uint constrained;  // 1: the result was found with weak directions taken out
+  uint constrained;  // kUnconstrained, kWithoutWeak or kWithPrior
   uint unused0;
 };
 

@@ -8,6 +8,8 @@
 #include <numeric>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 #include "adit/slam/fusion/state_checks.hpp"
 
 namespace adit {
@@ -57,10 +59,15 @@ FailedCheck check_of(GraphFailure failure, StateQuantity quantity) {
 
 }  // namespace
 
+Eigen::Isometry3d matched_pose(const RegistrationResult& alignment) {
+  return measured_pose(alignment, kWhiteModel, Eigen::Isometry3d::Identity()).T_map_body;
+}
+
 FusedMotion::FusedMotion(const GraphSettings& settings, const SensorStart& start,
                          const CalibrationSigma& calibration)
     : graph_(settings),
-      watches_{VelocityWatch(calibration.scale), VelocityWatch(calibration.scale)} {
+      watches_{VelocityWatch(calibration.scale), VelocityWatch(calibration.scale)},
+      inflation_(kWhiteModel.kappa) {
   graph_.start(prior_of(start, calibration));
 }
 
@@ -78,6 +85,17 @@ std::variant<StateEstimate, FailedCheck> FusedMotion::predict(std::vector<ImuSam
   return prediction;
 }
 
+// What all alignments err by alike is an error between the prediction and the matches, too.
+Matrix6d FusedMotion::pose_prior(const Matrix6d& lidar_covariance) const {
+  Vector6d floor;
+  floor << Eigen::Vector3d::Constant(kWhiteModel.sigma_translation),
+      Eigen::Vector3d::Constant(kWhiteModel.sigma_rotation);
+  Matrix6d covariance = lidar_covariance;
+  covariance.diagonal() += floor.cwiseAbs2();
+  const Matrix6d information = inflation_ * covariance.ldlt().solve(Matrix6d::Identity());
+  return 0.5 * (information + information.transpose());
+}
+
 FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
                              const Eigen::Isometry3d& T_body_lidar, const CheckContext& context,
                              std::vector<MeasuredWay> ways) {
@@ -88,6 +106,7 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
   std::optional<PoseMeasurement> measurement;
   if (alignment != nullptr) {
     measurement = measured_pose(*alignment, kWhiteModel, T_body_lidar);
+    inflation_ = inflation(*alignment, kWhiteModel);
     result.innovation = innovation(pending.prediction, *measurement);
     const auto degrees = static_cast<size_t>(measurement->known_directions);
     result.innovation_gate = kBeyondBelief * kChiSquared999[degrees];

@@ -34,6 +34,10 @@ struct FusedSweep {
   std::vector<VelocityReport> velocities{};  ///< of the ways that were measured
 };
 
+/// The pose of the lidar that the matches of an alignment measured, whatever prior it was weighed
+/// against.
+Eigen::Isometry3d matched_pose(const RegistrationResult& alignment);
+
 /// A sensor that is fused: the sliding graph, with the sweep that is under way.
 class FusedMotion {
  public:
@@ -49,6 +53,9 @@ class FusedMotion {
   /// The prediction of the sweep under way; null if there is none.
   const StateEstimate* prediction() const { return pending_ ? &pending_->prediction : nullptr; }
   void forget_prediction() { pending_.reset(); }
+  /// What the next alignment weighs against its matches: the information of this covariance of
+  /// T_map_lidar, in units of their Hessian, as the last alignment tells these.
+  Matrix6d pose_prior(const Matrix6d& lidar_covariance) const;
 
   /// Fuses the sweep under way: by its alignment, or by inertia alone where that is null; and by
   /// the ways that were measured since the last sweep.
@@ -73,6 +80,7 @@ class FusedMotion {
   SlidingGraph graph_;
   std::array<VelocityWatch, kVelocitySources> watches_;  ///< by VelocitySource
   std::optional<Pending> pending_;
+  double inflation_;                ///< of the last alignment's covariance
   std::deque<double> innovations_;  ///< squared, a degree of freedom, of the last alignments
   int outliers_ = 0;                ///< in a row: innovations beyond the gate
   double surprises_ = 0.0;          ///< what they add up to

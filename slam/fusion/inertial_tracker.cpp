@@ -200,6 +200,7 @@ std::optional<InertialPrediction> InertialTracker::predict(Fused& fused, Nanosec
   result.lidar.T_map_lidar = T_map_lidar(predicted.state);
   const Matrix6d of_lidar = lidar_covariance(predicted.covariance, T_body_lidar_);
   result.lidar.sigma = pose_sigma(of_lidar);
+  result.lidar.information = fused.motion.pose_prior(of_lidar);
   const Vector6d held = pose_sigma(without(of_lidar, fused.unheld, result.lidar.T_map_lidar));
   result.lidar.trusted =
       held.head<3>().maxCoeff() < kTrustedPosition && held.tail<3>().maxCoeff() < kTrustedRotation;
@@ -241,7 +242,7 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
   // Turns that no match holds are the prediction's own. A sweep that was not aligned interrupts
   // nothing: the next turn is the one since the last that was.
   if (alignment != nullptr && holds_rotation(*alignment)) {
-    watch({T_map_lidar.stamp, alignment->T_target_source}, deskewed);
+    watch({T_map_lidar.stamp, matched_pose(*alignment)}, deskewed);
   } else if (alignment != nullptr) {
     watch_.broken();
   }
@@ -270,7 +271,7 @@ void InertialTracker::fuse(Fused& fused, const RegistrationResult* alignment,
                            const Eigen::Isometry3d& steady, InertialReport& report) {
   const NavState predicted = fused.motion.prediction()->state;
   if (alignment != nullptr) {
-    compare(alignment->T_target_source, T_map_lidar(predicted), steady, report);
+    compare(matched_pose(*alignment), T_map_lidar(predicted), steady, report);
     fused.unheld = unheld_directions(*alignment);
   }
   report.bridged_gap = fused.gap;

@@ -13,6 +13,16 @@ namespace {
 
 // Information relative to the floor's below which a direction is unknown: rounding of float32 sums.
 constexpr double kUnknown = 1e-6;
+// The matches' cost is a quadratic no farther from where the alignment ended: half a voxel of the
+// default size, and about as much at the usual range.
+constexpr double kFarthest = 0.5;      // m
+constexpr double kFarthestTurn = 0.1;  // rad
+
+Vector6d bounded(const Vector6d& step) {
+  const double size =
+      std::max(step.head<3>().norm() / kFarthest, step.tail<3>().norm() / kFarthestTurn);
+  return step / std::max(size, 1.0);
+}
 
 }  // namespace
 
@@ -33,15 +43,21 @@ PoseMeasurement measured_pose(const RegistrationResult& alignment, const Covaria
                           floor.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
   Vector6d roots = Vector6d::Zero();
+  Vector6d to_optimum = Vector6d::Zero();  // of the matches alone, in units of the floor
+  const Vector6d pull = floor.asDiagonal() * alignment.pull / inflation(alignment, model);
   PoseMeasurement measurement;
   for (int i = 0; i < 6; ++i) {
     const double information = eigen.eigenvalues()[i];
     if (information > kUnknown) {
       roots[i] = std::sqrt(information / (1.0 + information));
+      const Vector6d direction = eigen.eigenvectors().col(i);
+      to_optimum -= direction * direction.dot(pull) / information;
       ++measurement.known_directions;
     }
   }
-  measurement.T_map_body = alignment.T_target_source * T_lidar_body;
+  const Eigen::Isometry3d T_map_lidar =
+      alignment.T_target_source * se3_exp(bounded(floor.asDiagonal() * to_optimum));
+  measurement.T_map_body = T_map_lidar * T_lidar_body;
   measurement.root_information = roots.asDiagonal() * eigen.eigenvectors().transpose() *
                                  floor.cwiseInverse().asDiagonal() * adjoint(T_lidar_body);
   return measurement;

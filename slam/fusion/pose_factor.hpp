@@ -16,9 +16,10 @@ struct PoseMeasurement {
   int known_directions = 0;  ///< rows that are not zero
 };
 
-/// The pose that an alignment of a sweep measured. Its information is what the matches hold (weak
-/// directions already taken out), weakened as `model` says: Sigma = inflation * information^-1 +
-/// floor, whose floors must be greater than 0. Directions without information stay without.
+/// The pose that an alignment of a sweep measured. Its information is that of the matches, weakened
+/// as `model` says: Sigma = inflation * information^-1 + floor, whose floors must be greater than
+/// 0. Directions without information stay without. Where the alignment weighed a prior, the pose is
+/// the one that the matches alone lead to: the measurement is independent of the prior.
 PoseMeasurement measured_pose(const RegistrationResult& alignment, const CovarianceModel& model,
                               const Eigen::Isometry3d& T_body_lidar);
 

@@ -125,6 +125,7 @@ void Aligner::record(engine::Recorder& recorder, const Prediction& prediction,
                      engine::Slice counters, uint32_t most_points, Submap& submap) {
   groups_ = kernels_.groups(most_points);
   trusted_ = prediction.trusted;
+  weighed_ = trusted_ && prediction.information.has_value();
   const engine::RegistrationSettings fine = settings(trusted_);
   record_starts(recorder, prediction, places, submap);
   record_jobs(recorder, 0, submap.voxel_map(), config_.d_max, counters);
@@ -181,6 +182,9 @@ Aligner::Passes Aligner::most_passes(const engine::RegistrationSettings& setting
 Aligner::Passes Aligner::expected_passes(const engine::RegistrationSettings& settings) const {
   const Passes most = most_passes(settings);
   const uint32_t steps = *std::ranges::max_element(steps_) + 1;
+  if (weighed_) {
+    return {.steps = 0, .constrained_steps = std::min(steps, most.constrained_steps)};
+  }
   const uint32_t constrained = constrained_steps_ > 0 ? constrained_steps_ + 1 : 0;
   return {.steps = std::min(steps, most.steps),
           .constrained_steps = std::min(constrained, most.constrained_steps)};
@@ -189,8 +193,9 @@ Aligner::Passes Aligner::expected_passes(const engine::RegistrationSettings& set
 // Steps before constrained ones are not counted on the device.
 void Aligner::note_passes(const RegistrationResult& result) {
   const auto steps = static_cast<uint32_t>(result.iterations);
-  constrained_steps_ = result.used_prior ? steps : 0;
-  if (!result.used_prior) {
+  const bool followed = result.used_prior && !weighed_;  // steps without the prior, that is
+  constrained_steps_ = followed ? steps : 0;
+  if (!followed) {
     steps_[next_] = steps;
     next_ = (next_ + 1) % steps_.size();
   }
@@ -208,10 +213,13 @@ void Aligner::record_starts(engine::Recorder& recorder, const Prediction& predic
                             std::span<const Eigen::Isometry3d> places, const Submap& submap) {
   starts_ = static_cast<uint32_t>(std::min(places.size(), kMostPlaces));
   std::byte* start = upload_.mapped() + kStartAt;
-  engine::RegistrationKernels::write_start({start, progress_bytes(1)}, 1, groups_);
-  const Matrix6d prior = prediction.sigma.cwiseAbs2().cwiseInverse().asDiagonal();
+  engine::RegistrationKernels::write_start({start, progress_bytes(1)}, 1, groups_,
+                                           weighed_ ? gpu::kPhaseConstrained : gpu::kPhaseIterate);
+  const Matrix6d prior = weighed_
+                             ? *prediction.information
+                             : Matrix6d(prediction.sigma.cwiseAbs2().cwiseInverse().asDiagonal());
   const auto state_of = [&](const Eigen::Isometry3d& T_map_lidar) {
-    return initial_state(submap.pose().inverse() * T_map_lidar, prior);
+    return initial_state(submap.pose().inverse() * T_map_lidar, prior, weighed_);
   };
   std::byte* states = upload_.mapped() + kStateAt;
   *reinterpret_cast<gpu::RegistrationState*>(states) = state_of(prediction.T_map_lidar);

@@ -81,6 +81,7 @@ class Aligner {
   uint32_t groups_ = 0;             ///< number in the last alignment recorded
   uint32_t starts_ = 0;             ///< that its search had; 0: there was none
   bool trusted_ = false;            ///< its prediction
+  bool weighed_ = false;            ///< against the matches, in every step
   Passes recorded_;                 ///< of the last alignment, so far
   std::array<uint32_t, 8> steps_;   ///< of the last alignments, in turns
   size_t next_ = 0;                 ///< in steps_

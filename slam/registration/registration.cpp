@@ -111,6 +111,13 @@ Localizability class_of(double share) {
                       : (share < 1.0 ? Localizability::partial : Localizability::full);
 }
 
+// The gradient without what regularised covariances pull with in every direction; target axes.
+Vector6d geometric_gradient(const gpu::RegistrationState& state, double fictitious) {
+  const Eigen::Map<const Eigen::Matrix<float, 6, 1>> whole(state.system + 21);
+  const Eigen::Map<const Eigen::Matrix<float, 6, 1>> drift(state.system + gpu::kGeometryAt + 10);
+  return whole.cast<double>() + fictitious * drift.cast<double>();
+}
+
 // The directions, and the information with the weak ones taken out; target axes.
 void read_directions(const gpu::RegistrationState& state, const Matrix6d& geometric,
                      RegistrationResult& result) {
@@ -126,7 +133,7 @@ void read_directions(const gpu::RegistrationState& state, const Matrix6d& geomet
     direction.information = static_cast<double>(raw.w);
     direction.support = static_cast<double>(state.support[k].x);
     direction.information_each = static_cast<double>(state.support[k].y);
-    if (share < 1.0) {
+    if (share < 1.0 && state.constrained != gpu::kWithPrior) {
       information = weakened(information, giving_way(information, axis, k < 3 ? 0 : 3), share);
     }
   }
@@ -157,8 +164,9 @@ Matrix6d turned(const Matrix6d& m, const Matrix6d& to_target) {
 }  // namespace
 
 gpu::RegistrationState initial_state(const Eigen::Isometry3d& guess,
-                                     const Matrix6d& prior_information) {
+                                     const Matrix6d& prior_information, bool weighed) {
   gpu::RegistrationState state{};
+  state.constrained = weighed ? gpu::kWithPrior : gpu::kUnconstrained;
   state.pose = to_device(guess);
   state.guess = state.pose;
   const Matrix6d prior = turned(prior_information, axes(guess.linear().transpose()));
@@ -190,7 +198,7 @@ RegistrationResult read_registration(const DeviceAlignment& device, int source_p
     return result;
   }
   result.T_target_source = from_device(state.pose);
-  result.used_prior = state.constrained != 0;
+  result.used_prior = state.constrained != gpu::kUnconstrained;
   const Matrix6d h = symmetric(state.system);
   const Matrix6d geometric =
       fictitious > 0.0
@@ -211,6 +219,9 @@ RegistrationResult read_registration(const DeviceAlignment& device, int source_p
   result.information = turned(result.information, to_target);
   const Eigen::Map<const Eigen::Matrix<float, 6, 1>> gradient(state.system + 21);
   result.gradient = to_target.transpose() * gradient.cast<double>();
+  if (state.constrained == gpu::kWithPrior) {
+    result.pull = to_target.transpose() * geometric_gradient(state, fictitious);
+  }
   result.cost = static_cast<double>(state.system[gpu::kCostAt]);
   result.inliers = static_cast<int>(state.system[gpu::kInliersAt]);
   const double matches = static_cast<double>(state.system[gpu::kMatchesAt]);

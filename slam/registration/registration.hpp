@@ -64,13 +64,16 @@ struct RegistrationResult {
   Matrix6d hessian = Matrix6d::Zero();   ///< sum of J^T Omega J; 1/m^2, 1/(m rad), 1/rad^2
   Vector6d gradient = Vector6d::Zero();  ///< of the cost at that pose; 1/m, 1/rad
   /// What the matches say of the pose and no more: the Hessian without the information that
-  /// regularised covariances claim in every direction, and without weak directions (their share).
-  /// Never contains the prior.
+  /// regularised covariances claim in every direction. Without weak directions (their share),
+  /// unless a prior was weighed against the matches. Never contains the prior.
   Matrix6d information = Matrix6d::Zero();
+  /// Where a prior was weighed: the gradient of the matches' own cost, whose Hessian is
+  /// `information`. The matches alone would be at -information^-1 pull. Zero elsewhere.
+  Vector6d pull = Vector6d::Zero();
   /// Weakest first. Empty axes where nothing was assessed (kNdtToNdt, failures).
   std::array<ObservedDirection, 3> translation{};
   std::array<ObservedDirection, 3> rotation{};  ///< about the source's axes
-  bool used_prior = false;                      ///< weak directions were solved for with the prior
+  bool used_prior = false;                      ///< some steps were taken with the prior
   double cost = 0.0;  ///< sum of e^T Omega e over the matches; NDT: minus the score
   double residual_rms =
       0.0;  ///< m, root mean square distance along the target's normals over the matches
@@ -118,8 +121,9 @@ Eigen::Isometry3d from_device(const gpu::mat3x4& rows);
 
 /// The state an alignment starts from: the initial guess in the target's local frame, and the
 /// information of the prior whose mean it is (right perturbation, the source's axes; zero: none).
+/// `weighed`: the alignment starts in gpu::kPhaseConstrained, and takes no direction out.
 gpu::RegistrationState initial_state(const Eigen::Isometry3d& guess,
-                                     const Matrix6d& prior_information);
+                                     const Matrix6d& prior_information, bool weighed = false);
 
 /// What a match counts in NDT, by Magnusson's score (2009, equation 6.8) for voxels of an edge (m):
 /// `weight` exp(-`exponent` d²) at the Mahalanobis distance d.

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <Eigen/Cholesky>
 
 #include "adit/slam/odometry/aligner.hpp"
 #include "adit/slam/odometry/submap.hpp"
@@ -104,6 +105,57 @@ TEST_F(AlignerTest, StepsInSeveralSubmissionsAreTheSameBits) {
   EXPECT_EQ(whole.submissions, 1);
   EXPECT_EQ(cut.result.iterations, kSteps);
   EXPECT_FALSE(cut.result.used_prior);
+  expect_same(cut.result, whole.result);
+}
+
+/// Is weighed against the matches by this much in every direction.
+Prediction weighed_prediction(const Eigen::Isometry3d& T_map_lidar, double information) {
+  Prediction prediction;
+  prediction.T_map_lidar = T_map_lidar;
+  prediction.trusted = true;
+  Vector6d diagonal;
+  diagonal << Eigen::Vector3d::Constant(information), Eigen::Vector3d::Constant(information);
+  prediction.information = Matrix6d(diagonal.asDiagonal());
+  return prediction;
+}
+
+// The pose is where the matches' pull and the prior's balance; and what the matches themselves
+// say, which the graph takes, is what they say without a prior.
+TEST_F(AlignerTest, APriorIsWeighedAgainstTheMatches) {
+  const test::Drive drive = test::make_drive(2, 0.5);
+  Config config = endless();
+  Scene scene(context(), config);
+  prepare(scene, drive.sweeps[0], drive.sweeps[1]);
+  const RegistrationResult alone = align(scene, some_prediction()).result;
+  ASSERT_FALSE(alone.used_prior);
+  const double strong = 0.5 * alone.information.topLeftCorner<3, 3>().trace();
+  const Eigen::Isometry3d guess = alone.T_target_source * se3_exp(test::twist(0.02, 0.001));
+  const RegistrationResult weighed = align(scene, weighed_prediction(guess, strong)).result;
+  ASSERT_TRUE(weighed.used_prior);
+  EXPECT_EQ(weighed.status, alone.status);
+  const Vector6d from_guess = se3_log(guess.inverse() * weighed.T_target_source);
+  const Vector6d from_alone = se3_log(alone.T_target_source.inverse() * weighed.T_target_source);
+  EXPECT_GT(from_guess.norm(), 1e-3) << "the matches count";
+  EXPECT_GT(from_alone.norm(), 1e-3) << "the prior counts";
+  EXPECT_LT((weighed.pull + strong * from_guess).norm(), 0.02 * strong * from_guess.norm());
+  const Vector6d to_optimum = -weighed.information.ldlt().solve(weighed.pull);
+  const Eigen::Isometry3d optimum = weighed.T_target_source * se3_exp(to_optimum);
+  const double left = se3_log(alone.T_target_source.inverse() * optimum).norm();
+  EXPECT_LT(left, 0.3 * from_alone.norm()) << "what the matches say hangs on the prior";
+}
+
+TEST_F(AlignerTest, WeighedStepsInSeveralSubmissionsAreTheSameBits) {
+  const test::Drive drive = test::make_drive(2, 0.5);
+  Scene scene(context(), endless());
+  prepare(scene, drive.sweeps[0], drive.sweeps[1]);
+  const Prediction prediction = weighed_prediction(se3_exp(test::twist(0.3, 0.01)), 1e4);
+  const Aligned cut = align(scene, prediction);
+  const Aligned whole = align(scene, prediction);
+  EXPECT_GT(cut.submissions, 1);
+  EXPECT_EQ(whole.submissions, 1);
+  EXPECT_EQ(cut.result.iterations, kSteps);
+  EXPECT_TRUE(cut.result.used_prior);
+  EXPECT_EQ(cut.result.pull, whole.result.pull);
   expect_same(cut.result, whole.result);
 }
 

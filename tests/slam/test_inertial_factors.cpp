@@ -178,6 +178,20 @@ TEST(InertialFactors, AMeasuredPoseHasTheCovarianceOfItsModel) {
       measurement.T_map_body.isApprox(result.T_target_source * mounting().inverse(), 1e-12));
 }
 
+// An alignment that a prior held off the optimum of its matches by `off` measured that optimum all
+// the same: else the prior, which is the graph's own prediction, would count twice.
+TEST(InertialFactors, AMeasuredPoseIsThatOfTheMatchesWhateverPriorWasWeighed) {
+  RandomStates random;
+  RegistrationResult result = alignment(random, Eigen::Vector3d::Zero());
+  const Eigen::Isometry3d optimum = result.T_target_source;
+  Vector6d off;
+  off << 0.02, -0.01, 0.03, 0.004, -0.002, 0.001;
+  result.T_target_source = optimum * se3_exp(off);
+  result.pull = result.information * off;
+  const PoseMeasurement measurement = measured_pose(result, kModel, mounting());
+  EXPECT_TRUE(measurement.T_map_body.isApprox(optimum * mounting().inverse(), 1e-9));
+}
+
 TEST(InertialFactors, ADirectionThatNoMatchHoldsCarriesNothing) {
   RandomStates random;
   const Eigen::Vector3d axis(1.0, 0.0, 0.0);
