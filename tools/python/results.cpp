@@ -94,8 +94,10 @@ void bind_inertial(py::module_& module) {
           [](const Report& self) -> py::object {
             return self.nav ? array_of(self.nav_covariance) : py::none().cast<py::object>();
           },
-          "(20, 20): of position, rotation, velocity, gyro_bias, accel_bias, the direction of gravity\n"
-          "(2), scale (1) and turn (2) of a sensor of velocities; m, rad, m/s, rad/s, m/s^2, rad, 1,\n"
+          "(20, 20): of position, rotation, velocity, gyro_bias, accel_bias, the direction of "
+          "gravity\n"
+          "(2), scale (1) and turn (2) of a sensor of velocities; m, rad, m/s, rad/s, m/s^2, rad, "
+          "1,\n"
           "rad. None where it is not fused.");
 }
 

@@ -230,7 +230,8 @@ void bind_slam(py::module_& module) {
       .def("add", &add<StaticTransform>, py::arg("measurement"),
            "Adds a measurement, or how two frames are mounted, and returns what has become known:\n"
            "SweepPlaced, SweepLeftOut and ReadingTaken, in the order of their stamps. Fixes count\n"
-           "where there is a map, velocities where there is an IMU. DeviceError, OutputError (the map's disk is full).")
+           "where there is a map, velocities where there is an IMU. DeviceError, OutputError (the "
+           "map's disk is full).")
       .def(
           "flush",
           [](SlamSession& self) {
