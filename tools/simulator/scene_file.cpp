@@ -356,7 +356,7 @@ position = [-0.2, 0.05, 0.35]  # m, of the antenna in the IMU's frame
 [wheels]
 use = false  # velocities of a vehicle on /wheels
 rate = 50  # Hz
-position = [-0.3, 0.0, -0.5]  # m, in the IMU's frame; they roll along x
+position = [0.0, 0.2, -0.5]  # m, in the IMU's frame; they roll along x
 yaw_pitch_roll = [0.0, 0.0, 0.0]  # degrees
 )";
 }

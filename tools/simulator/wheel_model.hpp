@@ -20,8 +20,8 @@ struct SimulatedWheels {
   double scale = 1.0;           ///< measured distance over the true one
 };
 
-/// Where the frame of the wheels sits in the IMU's unless something else is asked for: behind and
-/// below, x ahead.
+/// Where the frame of the wheels sits in the IMU's unless something else is asked for: below and to
+/// the left, x ahead.
 Eigen::Isometry3d wheel_mount();
 
 /// Encoders of wheels that roll along the x axis of their frame. They count ticks, so that a speed
