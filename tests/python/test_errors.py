@@ -2,12 +2,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Wrong arguments give exceptions that name the argument and say what is expected."""
 
+import pickle
+
 import numpy as np
 import pytest
 
 import adit
 
 CLOUD = np.random.default_rng(1).uniform(-10.0, 10.0, (2000, 4)).astype(np.float32)
+
+
+def test_arrays_that_were_unpickled_are_taken():
+    again = pickle.loads(pickle.dumps(CLOUD))
+    assert adit.Sweep(again, stamp=1).points.shape == CLOUD.shape
+    assert adit.Sweep(again[:, :3].astype(np.float64), stamp=1).points.shape == CLOUD.shape
 
 
 @pytest.mark.parametrize("points, error, message", [

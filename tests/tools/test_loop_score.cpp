@@ -20,7 +20,6 @@ namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
-using std::chrono::seconds;
 
 /// Twenty places a second and a metre apart, back at the start after ten; keyframes lean by 0.2
 /// rad.
@@ -34,12 +33,13 @@ class LoopScoring : public testing::Test {
     T_keyframe_lidar.linear() = Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()).toRotationMatrix();
     for (NodeId id = 0; id < 20; ++id) {
       const Eigen::Isometry3d lidar = test::step(static_cast<double>(id % 10), 0.1);
-      truth_.poses.push_back({.stamp = seconds(id), .pose = lidar});
+      truth_.poses.push_back({.stamp = std::chrono::seconds(id), .pose = lidar});
       truth_keyframes_.push_back(lidar * T_keyframe_lidar.inverse());
       KeyframeSubmap submap{.r_submap = 0.2, .sweeps = {}, .points = {}};
-      submap.sweeps.push_back(
-          {.stamp = seconds(id), .T_keyframe_lidar = T_keyframe_lidar, .merged = true});
-      map.store({.keyframe = {.id = id, .session = session, .stamp = seconds(id)},
+      submap.sweeps.push_back({.stamp = std::chrono::seconds(id),
+                               .T_keyframe_lidar = T_keyframe_lidar,
+                               .merged = true});
+      map.store({.keyframe = {.id = id, .session = session, .stamp = std::chrono::seconds(id)},
                  .submap = encode(submap)});
     }
     map.revise(
@@ -78,8 +78,8 @@ class LoopScoring : public testing::Test {
 
   /// Its places are as far apart as in the truth.
   static TrueLoop pair(int earlier, int later) {
-    return {.earlier = seconds(earlier),
-            .later = seconds(later),
+    return {.earlier = std::chrono::seconds(earlier),
+            .later = std::chrono::seconds(later),
             .distance = std::abs(static_cast<double>(later % 10 - earlier % 10)),
             .overlap = 0.9};
   }
@@ -130,20 +130,21 @@ TEST_F(LoopScoring, TheLedgerOfTheMapSaysWhatRemovedCandidates) {
 TEST_F(LoopScoring, TheSpanReachesFromTheFirstKeyframeOfRightEdgesToTheLast) {
   const LoopScore score = score_loops(map_, truth_, {});
   ASSERT_TRUE(score.span);
-  EXPECT_EQ(score.span->begin, seconds(2)) << "3 to 13 is wrong, 4 to 14 was refused";
-  EXPECT_EQ(score.span->end, seconds(12));
+  EXPECT_EQ(score.span->begin, std::chrono::seconds(2)) << "3 to 13 is wrong, 4 to 14 was refused";
+  EXPECT_EQ(score.span->end, std::chrono::seconds(12));
   MapDatabase(map_, MapAccess::write)
       .revise({.candidates = {candidate(1, 19, 0.0, CandidateVerdict::accepted, "none")}});
   const LoopScore wider = score_loops(map_, truth_, {});
-  EXPECT_EQ(wider.span->begin, seconds(1));
-  EXPECT_EQ(wider.span->end, seconds(19));
+  EXPECT_EQ(wider.span->begin, std::chrono::seconds(1));
+  EXPECT_EQ(wider.span->end, std::chrono::seconds(19));
 }
 
 TEST_F(LoopScoring, TheErrorBetweenTheEndsOfLoopsLeavesTheTailsOut) {
   Trajectory truth;
   truth.stamped = true;
   for (int i = 0; i < 20; ++i) {
-    truth.poses.push_back({.stamp = seconds(i), .pose = test::step(static_cast<double>(i))});
+    truth.poses.push_back(
+        {.stamp = std::chrono::seconds(i), .pose = test::step(static_cast<double>(i))});
     truth.poses.back().pose.translation().y() = 5.0 * std::sin(0.4 * i);
   }
   // Poses before 2 s and after 12 s are off by 3 m, those of the odometry between by 1 m in turn.
@@ -156,7 +157,7 @@ TEST_F(LoopScoring, TheErrorBetweenTheEndsOfLoopsLeavesTheTailsOut) {
     write_trajectory(folder_ / name, TrajectoryFormat::tum, poses);
     return folder_ / name;
   };
-  const LoopSpan span{.begin = seconds(2), .end = seconds(12)};
+  const LoopSpan span{.begin = std::chrono::seconds(2), .end = std::chrono::seconds(12)};
   const LoopEffect effect =
       loop_effect(written("odometry.tum", 1.0), written("map.tum", 0.0), truth, span, 0.01);
   ASSERT_TRUE(effect.all.map);
@@ -165,7 +166,8 @@ TEST_F(LoopScoring, TheErrorBetweenTheEndsOfLoopsLeavesTheTailsOut) {
   EXPECT_NEAR(*effect.in_span.map, 0.0, 1e-6);
   ASSERT_TRUE(effect.in_span.odometry);
   EXPECT_GT(*effect.in_span.odometry, 0.5);
-  EXPECT_NEAR(effect.span_path, path_between(truth, seconds(2), seconds(12)), 1e-9);
+  EXPECT_NEAR(effect.span_path,
+              path_between(truth, std::chrono::seconds(2), std::chrono::seconds(12)), 1e-9);
   EXPECT_GT(effect.span_path, 10.0);
 
   const LoopEffect none =
@@ -193,7 +195,7 @@ TEST_F(LoopScoring, ClosuresOfAnotherSystemAreHeldAgainstTheSameLimits) {
   EXPECT_EQ(score.false_ones, 1U) << "0.6 m off";
   EXPECT_EQ(score.uncovered, 1U);
   ASSERT_TRUE(score.span);
-  EXPECT_EQ(score.span->end, seconds(11));
+  EXPECT_EQ(score.span->end, std::chrono::seconds(11));
   for (const char* wrong : {"1,2,0,0,0,0,0,0,0\n", "2,1,0,0,0,0,0,0,1\n", "1,2,x,0,0,0,0,0,1\n"}) {
     EXPECT_THROW(static_cast<void>(read_measured_loops(write((head + wrong).c_str()))), InputError)
         << wrong;
@@ -223,7 +225,7 @@ TEST_F(LoopScoring, WhatTheTruthDoesNotCoverIsSaid) {
 
 TEST_F(LoopScoring, RevisitsAfterTheRunAreNotMissed) {
   for (int id = 20; id < 40; ++id) {
-    truth_.poses.push_back({.stamp = seconds(id), .pose = test::step(id % 10, 0.1)});
+    truth_.poses.push_back({.stamp = std::chrono::seconds(id), .pose = test::step(id % 10, 0.1)});
   }
   std::vector<TrueLoop> pairs;
   for (int later = 10; later < 40; ++later) {
@@ -270,7 +272,7 @@ TEST_F(LoopScoring, LineEndsAndEmptyLinesOfATableDoNotMatter) {
   const std::vector<TrueLoop> pairs = read_true_loops(
       write("time_a_s,time_b_s,distance_m,angle_rad,overlap\r\n0.0,10.0,0.1,0.0,0.9\r\n\r\n\n"));
   ASSERT_EQ(pairs.size(), 1U);
-  EXPECT_EQ(pairs[0].later, seconds(10));
+  EXPECT_EQ(pairs[0].later, std::chrono::seconds(10));
   EXPECT_EQ(pairs[0].overlap, 0.9);
   const std::vector<TrueLoop> none =
       read_true_loops(write("time_a_s,time_b_s,distance_m,angle_rad,overlap\n"));

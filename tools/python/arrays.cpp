@@ -29,7 +29,8 @@ py::array as_floats(const py::object& object, std::string_view name) {
                                      std::string(py::str(py::type::of(object).attr("__name__")))));
   }
   const auto array = py::reinterpret_borrow<py::array>(object);
-  if (!array.dtype().is(py::dtype::of<float>()) && !array.dtype().is(py::dtype::of<double>())) {
+  // Not by the identity of dtypes: that of an array that was unpickled is another object.
+  if (!py::isinstance<py::array_t<float>>(array) && !py::isinstance<py::array_t<double>>(array)) {
     throw py::type_error(fmt::format("{}: float32 or float64 is expected, not {}", name,
                                      std::string(py::str(array.dtype()))));
   }
@@ -89,7 +90,7 @@ std::vector<Point> points_of(const py::object& object, std::string_view name) {
   if (array.shape(0) == 0) {
     throw py::value_error(fmt::format("{}: has no point", name));
   }
-  if (!array.dtype().is(py::dtype::of<float>())) {
+  if (!py::isinstance<py::array_t<float>>(array)) {
     return read_points<double>(array);
   }
   if (array.shape(1) == 4 && (array.flags() & py::array::c_style) != 0) {
