@@ -21,6 +21,7 @@ namespace {
 constexpr ImuNoise kNoise{.gyro = 1e-3, .accel = 1e-2, .gyro_walk = 3e-5, .accel_walk = 3e-4};
 constexpr double kGravityWalk = 1e-5;
 constexpr int kChainSweeps = 18;  // fewer than the lag, so that nothing is marginalised
+constexpr int kLinkRows = 21;     // of the IMU's factor and of what walks
 constexpr double kSweep = 0.1;    // s
 constexpr double kRate = 200.0;
 
@@ -40,7 +41,8 @@ Window window(uint64_t seed) {
   StateVector sigma;
   sigma << Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(0.01),
       Eigen::Vector3d::Constant(0.1), Eigen::Vector3d::Constant(0.005),
-      Eigen::Vector3d::Constant(0.05), Eigen::Vector2d::Constant(0.02);
+      Eigen::Vector3d::Constant(0.05), Eigen::Vector2d::Constant(0.02),
+      Eigen::Vector3d::Constant(0.05);
   Vector6d pose_sigma;
   pose_sigma << Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(0.003);
   Window result;
@@ -48,7 +50,11 @@ Window window(uint64_t seed) {
     NavState truth = motion.state(kSweep * i);
     truth.bias = bias;
     if (i == 0) {
-      const StateVector error = sigma.cwiseProduct(StateVector::NullaryExpr(draw));
+      StateVector error = sigma;
+      for (int k = 0; k < kScaleAt; ++k) {
+        error[k] *= draw();
+      }
+      error.tail<3>().setZero();  // there is no sensor of velocities
       result.start = independent_prior(retract(truth, error), sigma);
       result.readings.emplace_back();
       result.measurements.emplace_back();
@@ -97,7 +103,7 @@ struct LinkResidual {
   bool operator()(const double* x, const double* y, double* residual) const {
     const NavState first = at(from, x);
     const NavState second = at(to, y);
-    Eigen::Map<Eigen::Matrix<double, 18, 1>>{residual}
+    Eigen::Map<Eigen::Matrix<double, kLinkRows, 1>>{residual}
         << imu_factor(between, first, second).residual,
         walk_factor(kNoise, kGravityWalk * std::sqrt(between.duration), between.duration, first,
                     second)
@@ -122,8 +128,8 @@ NavState newest_by_ceres(const Window& window) {
           add_prior),
       nullptr, deltas[0].data());
   for (std::size_t i = 1; i < origins.size(); ++i) {
-    problem.AddResidualBlock(new ceres::NumericDiffCostFunction<LinkResidual, ceres::CENTRAL, 18,
-                                                                kStateSize, kStateSize>(
+    problem.AddResidualBlock(new ceres::NumericDiffCostFunction<LinkResidual, ceres::CENTRAL,
+                                                                kLinkRows, kStateSize, kStateSize>(
                                  new LinkResidual{between[i], origins[i - 1], origins[i]}),
                              nullptr, deltas[i - 1].data(), deltas[i].data());
     problem.AddResidualBlock(
