@@ -22,8 +22,10 @@ import json_schema
 PAGE = pathlib.Path(__file__).resolve().parent.parent / "docs" / "formats.md"
 # Heading of the page, and the commands whose JSON it describes; they run in a folder of their own.
 COMMANDS = {
-    "adit run: summary.json": [["run", "drive.mcap", "-o", "json", "--json", "--high-rate"]],
-    "adit inspect --json": [["inspect", "drive.mcap", "--json"]],
+    "adit run: summary.json": [
+        ["run", "drive.mcap", "-o", "json", "--json", "--high-rate"],
+        ["run", "wheels.mcap", "-o", "wheeled", "--json", "--set", "recording.velocity_topic=/wheels"]],
+    "adit inspect --json": [["inspect", "drive.mcap", "--json"], ["inspect", "wheels.mcap", "--json"]],
     "adit evaluate --json": [["evaluate", "json/trajectory.tum", "drive.truth.tum", "--json"]],
     "adit align --json": [["align", "drive.mcap@0", "drive.mcap@9", "--json"],
                           ["align", "drive.mcap@0", "drive.mcap@9", "--guess", "0", "0", "0", "5", "--json"]],
@@ -59,6 +61,7 @@ SESSIONS = [words for name, more in (("one", []), ("two", ["--noise-seed", "6", 
     ["simulate", "room", "--trajectory", "handheld", "--duration", "30", "--seed", "5", *more, "-o", f"{name}.mcap"],
     ["run", f"{name}.mcap", "-o", name])]
 SIMULATE = ["simulate", "room", "--sensor", "VLP-16", "--duration", "4", "--seed", "5", "-o", "drive.mcap"]
+WHEELS = ["simulate", "mine", "--wheels", "--doppler", "--duration", "4", "-o", "wheels.mcap"]
 
 
 def keys(value, path=""):
@@ -123,7 +126,7 @@ def check(adit, folder, page):
     def run(words):
         return subprocess.run([adit, *words], cwd=folder, capture_output=True, text=True, timeout=300)
 
-    for words in (SIMULATE, *SESSIONS):
+    for words in (SIMULATE, WHEELS, *SESSIONS):
         prepared = run(words)
         if prepared.returncode != 0:
             yield f"adit {' '.join(words)}: {prepared.stderr}"
