@@ -10,6 +10,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "adit/slam/core/median.hpp"
 #include "adit/slam/fusion/state_checks.hpp"
 
 namespace adit {
@@ -126,7 +127,7 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
     VelocityWatch& watch = watches_[static_cast<size_t>(way.source)];
     const VelocityReport report = watch.judge(way, graph_.latest(), pending.prediction);
     result.velocities.push_back(report);
-    if (!report.on_trial && !report.refused) {
+    if (report.fused()) {
       trusted.push_back(way);
     }
   }
@@ -158,10 +159,7 @@ double FusedMotion::usual_innovation() const {
   if (innovations_.empty()) {
     return 1.0;
   }
-  std::vector<double> values(innovations_.begin(), innovations_.end());
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return std::max(1.0, *middle);
+  return std::max(1.0, median({innovations_.begin(), innovations_.end()}));
 }
 
 double FusedMotion::error_scale() const {

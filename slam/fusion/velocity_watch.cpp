@@ -4,21 +4,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "adit/slam/core/median.hpp"
 #include "adit/slam/fusion/velocity_factor.hpp"
 
 namespace adit {
 namespace {
 
 // Some seconds of motion, so that a burst of slip is not usual; and the fewest that show anything.
-constexpr std::size_t kUsual = 50;
+constexpr std::size_t kRemembered = 50;
 constexpr std::size_t kFewest = 5;
-// In standard deviations: a slower body tells nothing, and an error that is usual by as much is
-// none of noise.
+// In standard deviations: the noise hides a slower motion, and does not explain a usual error that
+// is larger.
 constexpr double kSigmas = 3.0;
 // An error of scale or direction that is usual by as much is not one that the calibration's prior
 // allows for, in its standard deviations.
@@ -27,18 +30,14 @@ constexpr double kPriorSigmas = 4.0;
 constexpr double kMedianChiSquared = 2.366;
 
 template <class Value>
-double median(const std::deque<VelocityInnovation>& of, const Value& value) {
+double median_of(const std::deque<VelocityInnovation>& innovations, const Value& value) {
   std::vector<double> values;
-  for (const VelocityInnovation& one : of) {
-    values.push_back(value(one));
-  }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
+  std::ranges::transform(innovations, std::back_inserter(values), value);
+  return median(std::move(values));
 }
 
 double median_nis(const std::deque<VelocityInnovation>& of) {
-  return median(of, [](const VelocityInnovation& one) { return one.nis; });
+  return median_of(of, &VelocityInnovation::nis);
 }
 
 }  // namespace
@@ -78,6 +77,7 @@ VelocityReport VelocityWatch::judge(MeasuredWay& measured, const NavState& from,
   report.refused = contradicted();
   report.comparison = comparison();
   measured.covariance *= variance_scale();
+  report.covariance = measured.covariance / (measured.duration * measured.duration);
   return report;
 }
 
@@ -87,7 +87,7 @@ void VelocityWatch::note(const VelocityInnovation& innovation) {
     return;
   }
   moving_.push_back(innovation);
-  if (moving_.size() > kUsual) {
+  if (moving_.size() > kRemembered) {
     moving_.pop_front();
   }
 }
@@ -104,8 +104,8 @@ bool VelocityWatch::contradicted() const {
   if (on_trial() || variance_scale() < kSigmas * kSigmas) {
     return false;
   }
-  const double error = median(moving_, [](const auto& one) { return one.error.norm(); });
-  const double speed = median(moving_, [](const auto& one) { return one.predicted.norm(); });
+  const double error = median_of(moving_, [](const auto& one) { return one.error.norm(); });
+  const double speed = median_of(moving_, [](const auto& one) { return one.predicted.norm(); });
   return error > kPriorSigmas * scale_sigma_ * speed;
 }
 

@@ -37,9 +37,13 @@ struct VelocityComparison {
 struct VelocityReport {
   VelocitySource source = VelocitySource::sensor;
   VelocityInnovation innovation;  ///< of the way since the last sweep
-  bool on_trial = false;          ///< the body has hardly moved since it came: it was not fused yet
-  bool refused = false;           ///< it is not this body's velocity, and was not fused
+  /// (m/s)², of the mean velocity, body axes, as it is fused.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  bool on_trial = false;                           ///< the body has hardly moved since it came
+  bool refused = false;                            ///< it is not this body's velocity
   std::optional<VelocityComparison> comparison{};  ///< of the last seconds of motion
+
+  bool fused() const { return !on_trial && !refused; }
 };
 
 /// Judges a sensor of velocities by its innovations while the body moves: how much worse than it

@@ -29,6 +29,9 @@ constexpr double kMovedInertial = 1.0;  // m
 // What inertia carried is not in doubt where all of it together is known to this share of the whole
 // path, two sigma of which are 1 %.
 constexpr double kCarriedShare = 0.005;
+// A measured velocity that errs by less than this share of the speed from sweep to sweep leaves 1 %
+// of the way after ten seconds of sweeps at 10 Hz, by its root.
+constexpr double kMeasuredShare = 0.1;
 constexpr double kLostAfter = 10.0;      // m along what neither matches nor inertia hold
 constexpr double kContradiction = 10.0;  // median squared innovation per degree of freedom
 constexpr size_t kLeaps = 2;             // in the long window: one may be a jolt
@@ -56,12 +59,14 @@ bool is_carried(const DoubtfulStretch& stretch) {
   return stretch.cause == DoubtCause::unheld && stretch.alone < kMoved;
 }
 
-/// By a sensor of velocities whose scale is known to that share, along what no match holds.
-bool is_way_measured(const InertialReport& report) {
+/// Along the axis (lidar's, unit), by a sensor of velocities whose scale is known.
+bool is_way_measured(const InertialReport& report, const Eigen::Vector3d& axis) {
+  const Eigen::Vector3d along = report.T_body_lidar.linear() * axis;
   return std::ranges::any_of(report.velocities, [&](const VelocityReport& velocity) {
-    return !velocity.refused &&
-           (velocity.source == VelocitySource::doppler ||
-            report.nav_covariance(kScaleAt, kScaleAt) < kCarriedShare * kCarriedShare);
+    const double most = kMeasuredShare * velocity.innovation.predicted.norm();
+    const bool scaled = velocity.source == VelocitySource::doppler ||
+                        report.nav_covariance(kScaleAt, kScaleAt) < kCarriedShare * kCarriedShare;
+    return velocity.fused() && scaled && along.dot(velocity.covariance * along) < most * most;
   });
 }
 
@@ -118,8 +123,8 @@ void RunAssessor::add(const SweepResult& result) {
     // Turns are held by an inertial sensor itself.
     const bool vague =
         !seen.inertial && is_vague(alignment.translation[0], result.uncertainty.local);
-    const bool slides =
-        vague || (is_unheld(alignment.translation[0]) && !is_way_measured(result.inertial));
+    const bool slides = vague || (is_unheld(alignment.translation[0]) &&
+                                  !is_way_measured(result.inertial, alignment.translation[0].axis));
     seen.unheld = slides || (!seen.inertial && is_unheld(alignment.rotation[0]));
     if (slides) {
       seen.direction = result.T_map_lidar.linear() * alignment.translation[0].axis;

@@ -107,6 +107,38 @@ TEST(Verdict, ATunnelByLidarAloneIsDoubtfulWhereItIsAndLostWhereItIsLong) {
   EXPECT_NEAR(longer.stretches[0].distance, 20.0, 3.0);
 }
 
+// A velocity counts where it is fused, along the direction that it measures, with a known scale.
+TEST(Verdict, AMeasuredWayHoldsWhatNoMatchHolds) {
+  const auto trust = [](const auto& change) {
+    Ride run;
+    RunAssessor assessor;
+    for (int i = 0; i < 100; ++i) {
+      SweepResult result = Ride::fused(i < 30 ? run.next(0.5) : Ride::unheld(run.next(0.5)));
+      result.inertial.nav_covariance = 1e-6 * StateMatrix::Identity();
+      result.uncertainty.drift(0, 0) = 0.01 * i;  // inertia alone does not carry it
+      VelocityReport velocity{.innovation = {.predicted = {5.0, 0.0, 0.0}},
+                              .covariance = 0.01 * Eigen::Matrix3d::Identity()};
+      change(result, velocity);
+      result.inertial.velocities.push_back(velocity);
+      assessor.add(result);
+    }
+    return assessor.verdict().trust;
+  };
+  EXPECT_EQ(trust([](auto&, auto&) {}), Trust::reliable);
+  EXPECT_NE(trust([](auto&, auto& velocity) { velocity.on_trial = true; }), Trust::reliable);
+  EXPECT_NE(trust([](auto&, auto& velocity) { velocity.refused = true; }), Trust::reliable);
+  EXPECT_NE(trust([](auto&, auto& velocity) { velocity.covariance(0, 0) = 4.0; }), Trust::reliable);
+  EXPECT_EQ(trust([](auto&, auto& velocity) { velocity.covariance(1, 1) = 4.0; }), Trust::reliable);
+  const auto with_scale = [&](VelocitySource source) {
+    return trust([source](SweepResult& result, VelocityReport& velocity) {
+      result.inertial.nav_covariance(kScaleAt, kScaleAt) = 0.05 * 0.05;
+      velocity.source = source;
+    });
+  };
+  EXPECT_NE(with_scale(VelocitySource::sensor), Trust::reliable);
+  EXPECT_EQ(with_scale(VelocitySource::doppler), Trust::reliable);
+}
+
 TEST(Verdict, AtRestNothingNeedsToBeHeld) {
   Ride run;
   RunAssessor assessor;

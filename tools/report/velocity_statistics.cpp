@@ -57,7 +57,7 @@ void VelocityFusionStatistics::add(const SweepResult& result) {
     if (report.refused) {
       ++source.refused;
       source.contradiction = report.comparison;
-    } else if (!report.on_trial) {
+    } else if (report.fused()) {
       ++source.fused;
       source.nis += report.innovation.nis;
     }
