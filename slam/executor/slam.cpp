@@ -390,6 +390,7 @@ class OfflineSlam final : public Slam {
       placed.sweep.points = {};
       placed.sweep.times = {};
       placed.sweep.rings = {};
+      placed.sweep.doppler = {};
     }
     auto in_map = std::make_unique<InMap>(
         InMap{.placed = std::move(placed), .cloud = odometry_.cloud(), .mapped = {}});
@@ -437,12 +438,12 @@ class OfflineSlam final : public Slam {
     const std::string& imu = frame_of<ImuSample>();
     const std::string& lidar = frame_of<Sweep>();
     const bool named = !imu.empty() && !lidar.empty();
-    const auto told = named ? transforms_.transform(imu, lidar) : std::nullopt;
+    const auto found = named ? transforms_.transform(imu, lidar) : std::nullopt;
     // By its numbers, so that the same setting gives the same bytes.
-    return told ? Mounting{.source = MountingSource::transforms,
-                           .T_imu_lidar = pose_of(numbers_of(*told)),
-                           .conflict = transforms_.conflict(imu, lidar)}
-                : Mounting{.source = MountingSource::assumed};
+    return found ? Mounting{.source = MountingSource::transforms,
+                            .T_imu_lidar = pose_of(numbers_of(*found)),
+                            .conflict = transforms_.conflict(imu, lidar)}
+                 : Mounting{.source = MountingSource::assumed};
   }
 
   std::optional<std::array<double, 7>> configured_;

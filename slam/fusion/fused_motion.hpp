@@ -54,7 +54,7 @@ class FusedMotion {
   const StateEstimate* prediction() const { return pending_ ? &pending_->prediction : nullptr; }
   void forget_prediction() { pending_.reset(); }
   /// What the next alignment weighs against its matches: the information of this covariance of
-  /// T_map_lidar, in units of their Hessian, as the last alignment tells these.
+  /// T_map_lidar, in units of their Hessian, scaled as the last alignment was.
   Matrix6d pose_prior(const Matrix6d& lidar_covariance) const;
 
   /// Fuses the sweep under way: by its alignment, or by inertia alone where that is null; and by

@@ -4,13 +4,9 @@
 
 #include <Eigen/Cholesky>
 
+#include "adit/slam/fusion/pose_factor.hpp"
+
 namespace adit {
-namespace {
-
-// chi squared that 95 % stay below, of three degrees of freedom: Cauchy's width.
-constexpr double kChiSquared95 = 7.815;
-
-}  // namespace
 
 LinkFactor<3> velocity_factor(const MeasuredWay& measured, const NavState& from,
                               const NavState& to) {
@@ -40,7 +36,8 @@ LinkFactor<3> velocity_factor(const MeasuredWay& measured, const NavState& from,
 }
 
 RobustWeight velocity_kernel(const LinkFactor<3>& factor) {
-  return cauchy(factor.residual.squaredNorm(), kChiSquared95);
+  const double width = huber_width(3);
+  return cauchy(factor.residual.squaredNorm(), width * width);
 }
 
 }  // namespace adit

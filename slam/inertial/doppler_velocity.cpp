@@ -4,16 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include "adit/slam/core/lie.hpp"
+#include "adit/slam/core/median.hpp"
 
 namespace adit {
 namespace {
 
-// As many points tell the velocity to a millimetre a second; fewer than the least tell nothing.
+// So many points determine the velocity to a millimetre a second; fewer than the least do not
+// outweigh a moving object.
 constexpr std::size_t kMostPoints = 4096;
 constexpr std::size_t kFewestPoints = 20;
 // m/s. Speeds of points are no better than that (frequency-modulated lidars: 0.03 to 0.1), and
@@ -22,7 +25,10 @@ constexpr double kPointSigma = 0.05;
 constexpr double kCommonSigma = 0.02;
 // m/s². What the velocity changes by within a sweep, in the sensor's own axes: turns included.
 constexpr double kChange = 10.0;
+// From all points to those at rest: the weights then change by less than a thousandth.
 constexpr int kRounds = 10;
+// Standard deviation of a normal distribution over the median of its absolute values.
+constexpr double kSigmaOfMedian = 1.4826;
 // Standard deviations beyond which a point is not at rest; and m/s, the pace of somebody who
 // strolls, which is more than vibration makes.
 constexpr double kMovingSigmas = 4.0;
@@ -50,12 +56,6 @@ std::optional<Ray> ray_of(const Sweep& sweep, std::size_t i, double middle) {
   return ray;
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 /// Normal equations with the weights of one round.
 struct Normal {
   Matrix6d h;
@@ -79,7 +79,7 @@ Normal normal(const std::vector<Ray>& rays, const Vector6d& at, double sigma) {
 }  // namespace
 
 std::optional<DopplerFit> fit_doppler(const Sweep& sweep) {
-  if (sweep.doppler.empty()) {
+  if (sweep.doppler.empty() || sweep.doppler.size() != sweep.points.size()) {
     return std::nullopt;
   }
   const double middle = 0.5 * duration_of(sweep);
@@ -98,7 +98,7 @@ std::optional<DopplerFit> fit_doppler(const Sweep& sweep) {
     for (const Ray& ray : rays) {
       errors.push_back(std::abs(ray.speed - ray.row.dot(at)));
     }
-    return std::max(kPointSigma, 1.4826 * median_of(std::move(errors)));
+    return std::max(kPointSigma, kSigmaOfMedian * median(std::move(errors)));
   };
   Vector6d velocity = Vector6d::Zero();
   Normal last = normal(rays, velocity, spread(velocity));

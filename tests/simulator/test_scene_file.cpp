@@ -39,26 +39,26 @@ class SceneFileTest : public testing::Test {
 };
 
 TEST_F(SceneFileTest, TheExampleSaysTheDefaults) {
-  const SimulationOptions told = read(scene_file_example());
+  const SimulationOptions options = read(scene_file_example());
   const SimulationOptions expected;
-  EXPECT_EQ(told.scene, expected.scene);
-  EXPECT_EQ(told.seed, expected.seed);
-  EXPECT_EQ(told.duration, expected.duration);
-  EXPECT_EQ(told.trajectory, expected.trajectory);
-  EXPECT_EQ(told.speed, expected.speed);
-  EXPECT_EQ(told.begin, expected.begin);
-  EXPECT_EQ(told.imu, expected.imu);
-  EXPECT_EQ(told.imu_rate, expected.imu_rate);
-  EXPECT_EQ(told.gnss, expected.gnss);
-  EXPECT_EQ(told.gnss_rate, expected.gnss_rate);
-  EXPECT_EQ(told.p_imu_antenna, expected.p_imu_antenna);
-  EXPECT_EQ(told.wheels, expected.wheels);
-  EXPECT_EQ(told.wheel_rate, expected.wheel_rate);
-  EXPECT_TRUE(told.T_imu_wheels.isApprox(wheel_mount()));
-  EXPECT_TRUE(told.faults.empty());
-  EXPECT_TRUE(told.waypoints.empty());
-  ASSERT_EQ(told.lidars.size(), 1U);
-  const LidarOptions& lidar = told.lidars.front();
+  EXPECT_EQ(options.scene, expected.scene);
+  EXPECT_EQ(options.seed, expected.seed);
+  EXPECT_EQ(options.duration, expected.duration);
+  EXPECT_EQ(options.trajectory, expected.trajectory);
+  EXPECT_EQ(options.speed, expected.speed);
+  EXPECT_EQ(options.begin, expected.begin);
+  EXPECT_EQ(options.imu, expected.imu);
+  EXPECT_EQ(options.imu_rate, expected.imu_rate);
+  EXPECT_EQ(options.gnss, expected.gnss);
+  EXPECT_EQ(options.gnss_rate, expected.gnss_rate);
+  EXPECT_EQ(options.p_imu_antenna, expected.p_imu_antenna);
+  EXPECT_EQ(options.wheels, expected.wheels);
+  EXPECT_EQ(options.wheel_rate, expected.wheel_rate);
+  EXPECT_TRUE(options.T_imu_wheels.isApprox(wheel_mount()));
+  EXPECT_TRUE(options.faults.empty());
+  EXPECT_TRUE(options.waypoints.empty());
+  ASSERT_EQ(options.lidars.size(), 1U);
+  const LidarOptions& lidar = options.lidars.front();
   EXPECT_EQ(lidar.sensor, expected.lidars.front().sensor);
   EXPECT_EQ(lidar.topic, expected.lidars.front().topic);
   EXPECT_EQ(lidar.frame, expected.lidars.front().frame);
@@ -108,13 +108,13 @@ TEST_F(SceneFileTest, NumbersThatMakeNoSenseAreNamedWithTheirLine) {
 }
 
 TEST_F(SceneFileTest, WheelsAndDopplerAreAskedFor) {
-  const SimulationOptions told = read(
+  const SimulationOptions options = read(
       "faults = ['wheel-slip']\n[[lidar]]\ndoppler = true\n[wheels]\nuse = true\nrate = 20\n"
       "position = [0, 0, -1]\n");
-  EXPECT_TRUE(told.wheels);
-  EXPECT_EQ(told.wheel_rate, 20);
-  EXPECT_EQ(told.T_imu_wheels.translation(), Eigen::Vector3d(0.0, 0.0, -1.0));
-  EXPECT_TRUE(told.lidars.front().doppler);
+  EXPECT_TRUE(options.wheels);
+  EXPECT_EQ(options.wheel_rate, 20);
+  EXPECT_EQ(options.T_imu_wheels.translation(), Eigen::Vector3d(0.0, 0.0, -1.0));
+  EXPECT_TRUE(options.lidars.front().doppler);
   expect_refused("faults = ['wheel-slip']\n", "line 1, column 10", "there are none");
   expect_refused("[wheels]\nuse = 1\n", "line 2, column 7", "neither true nor false");
   expect_refused("[wheels]\nuse = true\nrate = 3\n", "line 3, column 8", "a divisor of 1e9");

@@ -141,7 +141,7 @@ TEST_F(AlignerTest, APriorIsWeighedAgainstTheMatches) {
   const Vector6d to_optimum = -weighed.information.ldlt().solve(weighed.pull);
   const Eigen::Isometry3d optimum = weighed.T_target_source * se3_exp(to_optimum);
   const double left = se3_log(alone.T_target_source.inverse() * optimum).norm();
-  EXPECT_LT(left, 0.3 * from_alone.norm()) << "what the matches say hangs on the prior";
+  EXPECT_LT(left, 0.3 * from_alone.norm()) << "the matches' own optimum depends on the prior";
 }
 
 TEST_F(AlignerTest, WeighedStepsInSeveralSubmissionsAreTheSameBits) {

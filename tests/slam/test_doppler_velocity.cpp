@@ -80,6 +80,8 @@ TEST(DopplerVelocity, ADirectionThatNoPointShowsIsNotKnown) {
 
 TEST(DopplerVelocity, WithoutSpeedsThereIsNone) {
   Sweep sweep = turn({2.0, 0.0, 0.0});
+  sweep.doppler.pop_back();
+  EXPECT_FALSE(fit_doppler(sweep)) << "one speed a point, or none";
   sweep.doppler.clear();
   EXPECT_FALSE(fit_doppler(sweep));
   sweep = turn({2.0, 0.0, 0.0});
