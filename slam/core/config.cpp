@@ -118,6 +118,17 @@ void check_registration(Checks& checks, const Config& config) {
                  r.min_overlap, "at least 0 and less than 1");
 }
 
+void check_pose(Checks& checks, const char* field,
+                const std::optional<std::array<double, 7>>& pose) {
+  double norm = pose ? 0.0 : 1.0;
+  for (size_t i = 0; pose && i < pose->size(); ++i) {
+    checks.finite(field, (*pose)[i]);
+    norm = std::hypot(norm, i < 3 ? 0.0 : (*pose)[i]);
+  }
+  checks.require(std::abs(norm - 1.0) < 1e-3, field, norm,
+                 "a pose x y z qx qy qz qw whose quaternion has the length 1");
+}
+
 void check_recording(Checks& checks, const RecordingConfig& r) {
   const double unit = r.point_time_unit.value_or(1.0);
   checks.require(unit > 0.0 && unit <= 1.0, "recording.point_time_unit", unit,
@@ -138,6 +149,11 @@ void check_recording(Checks& checks, const RecordingConfig& r) {
                  r.accelerometer_scale, "other than 0");
   checks.require(r.gyroscope_scale != 0.0, "recording.gyroscope_scale", r.gyroscope_scale,
                  "other than 0");
+  checks.holds(r.T_lidar_further.size() <= r.further_sweep_topics.size(),
+               "recording.T_lidar_further", "has more poses than there are further_sweep_topics");
+  for (const std::array<double, 7>& pose : r.T_lidar_further) {
+    check_pose(checks, "recording.T_lidar_further", pose);
+  }
 }
 
 void check_mapping(Checks& checks, const Config& config) {
@@ -169,17 +185,6 @@ void check_rest(Checks& checks, const Config& config) {
                  "keyframe.delta_rot", config.keyframe.delta_rot, "greater than 0 and at most pi");
   checks.between("recovery.max_coasting", config.recovery.max_coasting, 0, 1'000'000, "sweeps");
   checks.between("recovery.max_speed", config.recovery.max_speed, 0.1, 1e6, "m/s");
-}
-
-void check_pose(Checks& checks, const char* field,
-                const std::optional<std::array<double, 7>>& pose) {
-  double norm = pose ? 0.0 : 1.0;
-  for (size_t i = 0; pose && i < pose->size(); ++i) {
-    checks.finite(field, (*pose)[i]);
-    norm = std::hypot(norm, i < 3 ? 0.0 : (*pose)[i]);
-  }
-  checks.require(std::abs(norm - 1.0) < 1e-3, field, norm,
-                 "a pose x y z qx qy qz qw whose quaternion has the length 1");
 }
 
 void check_imu(Checks& checks, const ImuConfig& imu) {

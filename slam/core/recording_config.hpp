@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace adit {
 
@@ -11,6 +13,8 @@ namespace adit {
 /// inspect --write-config` finds these.
 struct RecordingConfig {
   std::optional<std::string> sweep_topic{};
+  std::vector<std::string> further_sweep_topics{};
+  std::vector<std::array<double, 7>> T_lidar_further{};
   std::optional<std::string> imu_topic{};
   std::optional<std::string> gnss_topic{};
   std::optional<std::string> velocity_topic{};
@@ -33,6 +37,13 @@ struct RecordingConfig {
   static void visit(Self& self, Visitor&& field) {
     field("sweep_topic", self.sweep_topic, "",
           "the topic of sweeps to map; not given: the only one that has points");
+    field("further_sweep_topics", self.further_sweep_topics, "",
+          "topics of further range sensors, whose sweeps are merged with those of sweep_topic, in "
+          "the axes of its sensor: [\"/rear/points\"]");
+    field("T_lidar_further", self.T_lidar_further, "m, quaternion",
+          "pose of each further sensor in the axes of the first: [[x, y, z, qx, qy, qz, qw]], in "
+          "the order of their topics; where none is given, the recording's static transforms tell "
+          "it");
     field("imu_topic", self.imu_topic, "",
           "the topic of the IMU; not given: the best one by its readings, frame and rate");
     field("gnss_topic", self.gnss_topic, "", "the topic of fixes; not given: the first with a fix");

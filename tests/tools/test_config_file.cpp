@@ -96,6 +96,26 @@ TEST_F(ConfigFile, WhatIsNotGivenIsAbsentAndAnIdentityCanBeMeant) {
             std::string::npos);
 }
 
+TEST_F(ConfigFile, ListsAreReadPrintedAndChecked) {
+  const char* text =
+      "[recording]\nfurther_sweep_topics = [\"/rear\", \"/left\"]\n"
+      "T_lidar_further = [[1, 2, 3, 0, 0, 0, 1]]\n";
+  const Config config = load(text);
+  EXPECT_EQ(config.recording.further_sweep_topics, (std::vector<std::string>{"/rear", "/left"}));
+  ASSERT_EQ(config.recording.T_lidar_further.size(), 1U);
+  EXPECT_EQ(config.recording.T_lidar_further[0][1], 2.0);
+  EXPECT_EQ(to_toml(load(to_toml(config))), to_toml(config));
+  EXPECT_EQ(load_config({.overrides = {R"(recording.further_sweep_topics=["/rear"])"}})
+                .recording.further_sweep_topics,
+            std::vector<std::string>{"/rear"});
+  EXPECT_THROW(load("[recording]\nfurther_sweep_topics = \"/rear\"\n"), InputError);
+  EXPECT_THROW(load("[recording]\nT_lidar_further = [[0, 0, 0, 0, 0, 0, 1]]\n"), InputError)
+      << "a pose of no sensor";
+  EXPECT_THROW(load("[recording]\nfurther_sweep_topics = [\"/rear\"]\n"
+                    "T_lidar_further = [[0, 0, 0, 0, 0, 0, 2]]\n"),
+               InputError);
+}
+
 TEST_F(ConfigFile, SwitchesAreBooleansAndZeroAndOneStillServe) {
   EXPECT_FALSE(load("[imu]\nuse = false\n").imu.use);
   EXPECT_FALSE(load("[imu]\nuse = 0\n").imu.use);

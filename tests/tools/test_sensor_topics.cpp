@@ -232,6 +232,50 @@ TEST(SensorTopics, AVelocityTopicWithoutMessagesIsSaid) {
   EXPECT_EQ(describe(sensors.passed_over[0]), "/radar is not used: it has no messages");
 }
 
+TEST(SensorTopics, FurtherRangeSensorsAreMountedByTransformsOrSettings) {
+  const Topic rear{"/rear", "sensor_msgs/PointCloud2", TopicKind::sweeps, 1};
+  std::vector<Event> events{transform_event(2, 0, "lidar", "rear", 0.5), sweep_event(0, 0, "lidar"),
+                            sweep_event(1, 0, "rear")};
+  const GivenRecording recording({kPoints, rear, kStatic}, events);
+  Config config;
+  EXPECT_EQ(choose_sensors(recording, 0, config).sweeps.size(), 1U);
+  config.recording.further_sweep_topics = {"/rear"};
+  const RecordedSensors by_transform = choose_sensors(recording, 0, config);
+  ASSERT_EQ(by_transform.sweeps.size(), 2U);
+  EXPECT_EQ(by_transform.sweeps[0].frame, "lidar");
+  EXPECT_EQ(by_transform.sweeps[1].topic, 1U);
+  EXPECT_EQ(by_transform.sweeps[1].frame, "rear");
+  EXPECT_EQ(by_transform.sweeps[1].sensor.c_max, config.preprocess.c_max);
+  EXPECT_NEAR(so3_log(by_transform.sweeps[1].sensor.T_lidar_sensor.linear()).z(), 0.5, 1e-9);
+  config.recording.T_lidar_further = {{1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0}};
+  const RecordedSensors by_setting = choose_sensors(recording, 0, config);
+  EXPECT_EQ(by_setting.sweeps[1].sensor.T_lidar_sensor.translation(), Eigen::Vector3d(1, 2, 3));
+}
+
+TEST(SensorTopics, AFurtherRangeSensorWithoutMountingOrTopicIsAnError) {
+  const Topic rear{"/rear", "sensor_msgs/PointCloud2", TopicKind::sweeps, 1};
+  const GivenRecording recording({kPoints, rear, imu("/imu")},
+                                 {sweep_event(0, 0, "lidar"), sweep_event(1, 0, "rear")});
+  const auto error_of = [&](const std::vector<std::string>& names) -> std::string {
+    Config config;
+    config.recording.further_sweep_topics = names;
+    try {
+      choose_sensors(recording, 0, config);
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  EXPECT_EQ(error_of({"/rear"}),
+            "recording.further_sweep_topics: no transform connects 'rear', the frame of /rear, "
+            "with 'lidar'. Give the pose of the sensor in the first one's axes: --set "
+            "'recording.T_lidar_further=[[x, y, z, qx, qy, qz, qw]]'.");
+  EXPECT_EQ(error_of({"/imu"}),
+            "recording.further_sweep_topics: the recording has no sweeps on '/imu'; adit inspect "
+            "lists its topics.");
+  EXPECT_EQ(error_of({"/points"}), "recording.further_sweep_topics: '/points' is named twice.");
+}
+
 TEST(SensorTopics, AWrongVelocityTopicIsAnErrorThatNamesThoseThatThereAre) {
   const auto error_of = [](const Recording& recording, const char* name) -> std::string {
     Config config;

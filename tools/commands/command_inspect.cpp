@@ -156,6 +156,15 @@ ordered_json to_json(const MotionCheck& check) {
   return json;
 }
 
+ordered_json to_json(const LidarMounting& mounting) {
+  return {{"topic", mounting.topic},
+          {"to_topic", mounting.to_topic},
+          {"compared", mounting.compared},
+          {"aligned", mounting.aligned},
+          {"expected", numbers_of(mounting.expected)},
+          {"found", mounting.found ? ordered_json(numbers_of(*mounting.found)) : ordered_json()}};
+}
+
 ordered_json to_json(const Inspection& inspection) {
   ordered_json json = {{"schema", kInspectSchema}, {"description", inspection.description}};
   json["topics"] = ordered_json::array();
@@ -165,6 +174,10 @@ ordered_json to_json(const Inspection& inspection) {
   json["motion"] = ordered_json::array();
   for (const MotionCheck& check : inspection.motion) {
     json["motion"].push_back(to_json(check));
+  }
+  json["lidars"] = ordered_json::array();
+  for (const LidarMounting& mounting : inspection.lidars) {
+    json["lidars"].push_back(to_json(mounting));
   }
   json["findings"] = ordered_json::array();
   for (const Finding& f : inspection.findings) {

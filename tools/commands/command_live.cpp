@@ -134,6 +134,11 @@ void add_live_command(Command app, std::function<void(int)> done) {
   command.flag("--odometry", options->run.odometry, "Odometry alone: no map, no loops, no GNSS");
   command.option("--topic", options->run.topic, "The topic of the sweeps, where there are several")
       .value_name("NAME");
+  command
+      .option("--merge", options->run.merged_topics,
+              "A topic of another range sensor, whose sweeps are merged with those of --topic; may "
+              "be repeated")
+      .value_name("NAME");
   command.flag("--overwrite", options->run.overwrite,
                "Replace the results of an earlier run in OUT, its recording included");
   command.flag("--publish", options->publishes,

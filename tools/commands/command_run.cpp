@@ -119,6 +119,11 @@ void add_run_command(Command app, std::function<void(int)> done) {
   command
       .option("--topic", options->topic, "The topic of the sweeps, where the recording has several")
       .value_name("NAME");
+  command
+      .option("--merge", options->merged_topics,
+              "A topic of another range sensor, whose sweeps are merged with those of --topic; may "
+              "be repeated")
+      .value_name("NAME");
   command.option("--start", options->start, "First sweep, counted from 0").value_name("N");
   command.option("--count", options->count, "Sweeps at most").value_name("N");
   command.flag("--continue", options->continues,

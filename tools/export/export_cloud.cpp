@@ -3,7 +3,6 @@
 #include "adit/tools/export/export_cloud.hpp"
 
 #include <algorithm>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "adit/tools/map_products/tile_folder.hpp"
 #include "adit/tools/map_products/tiled_cloud.hpp"
 #include "adit/tools/map_products/trajectory_products.hpp"
+#include "adit/tools/recordings/merged_sweeps.hpp"
 #include "adit/tools/recordings/one_sensor.hpp"
 #include "adit/tools/recordings/tolerant_recording.hpp"
 #include "adit/tools/recordings/topic_survey.hpp"
@@ -25,6 +25,7 @@
 #include "adit/tools/run/run_options.hpp"
 #include "adit/tools/setup/config_file.hpp"
 #include "adit/tools/setup/configured_recording.hpp"
+#include "adit/tools/setup/sensor_topics.hpp"
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -111,8 +112,10 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
                      "A dense cloud is made of a map of one recording");
   }
   const CloudSelection selection = selection_of(job, coordinates);
-  const RecordingConfig settings =
-      parse_config(sessions.front().configuration, options.map).recording;
+  Config settings = parse_config(sessions.front().configuration, options.map);
+  settings.imu.use = false;  // sweeps alone are looked for
+  settings.gnss.use = false;
+  settings.velocity.use = false;
   std::vector<fs::path> paths = recordings_of(sessions.front());
   if (options.recording || paths.empty()) {
     paths = {options.recording.value_or(fs::path())};
@@ -121,14 +124,15 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
   for (const fs::path& one : paths) {
     keep_input("-o", *options.output, one);
   }
-  const std::unique_ptr<Recording> recording = open_recording(paths, settings);
+  const std::unique_ptr<Recording> recording = open_recording(paths, settings.recording);
   const bool same = is_recording_of(sessions.front(), paths);
   if (!same && !options.recording) {
     throw InputError(path, {}, "it is not what the map was made of any more, by its content",
                      "Name the recording that it was made of: --recording REC");
   }
   const std::optional<std::string> named = provenance(sessions.front(), "topic");
-  const std::size_t topic = sweep_topic(*recording, path, named ? named : settings.sweep_topic);
+  const std::size_t topic =
+      sweep_topic(*recording, path, named ? named : settings.recording.sweep_topic);
   const std::vector<MapSweep> sweeps = sweeps_by_stamp(*job.map);
   std::vector<StampedPose> poses;
   poses.reserve(sweeps.size());
@@ -141,14 +145,10 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
   std::size_t without_pose = 0;
   std::size_t damaged = 0;
   const auto whole = pass_over_damage(*recording, [&](const InputError&) { ++damaged; });
-  std::map<std::size_t, std::string> frames;
-  if (settings.sweep_frame) {
-    frames[topic] = plain_frame(*settings.sweep_frame);
-  } else if (const auto first = first_samples(*whole, topic); !first.empty()) {
-    frames[topic] = first.front().frame;
-  }
-  const OneSensorRecording mapped(*whole, frames);
-  const auto stream = mapped.events({.topics = {topic}});
+  const RecordedSensors sensors = choose_sensors(*whole, topic, settings);
+  const OneSensorRecording mapped(*whole, sensors.frames);
+  const MergedRecording merged(mapped, sensors.sweeps, path);
+  const auto stream = merged.events({.topics = {topic}});
   while (const std::optional<Event> event = stream->next()) {
     const auto& sweep = std::get<Sweep>(event->value);
     const auto stretch = sensor.from(sweep.stamp);

@@ -47,6 +47,12 @@ void choose_topics(const Recording& recording, const std::filesystem::path& path
   forget_unknown(config.recording.imu_topic);
   forget_unknown(config.recording.gnss_topic);
   forget_unknown(config.recording.velocity_topic);
+  const auto is_unknown = [&](const std::string& name) {
+    return std::ranges::find(result.topics, name, &Topic::name) == result.topics.end();
+  };
+  if (std::ranges::any_of(config.recording.further_sweep_topics, is_unknown)) {
+    config.recording.further_sweep_topics.clear();
+  }
   try {
     result.sweeps = sweep_topic(recording, path, config.recording.sweep_topic);
   } catch (const InputError&) {
@@ -131,10 +137,12 @@ std::vector<MotionPair> pairs_to_check(const Inspection& inspection, const Profi
   return pairs;
 }
 
-/// Maps the stretch of each pair on the device.
-void compare_motion(const Recording& recording, const std::vector<MotionPair>& pairs,
-                    const Config& config, const DeviceOptions& device, Inspection& result) {
-  if (pairs.empty()) {
+/// Maps the stretch of each pair on the device, and with what the first range sensor has mapped
+/// compares what the others see.
+void compare_sensors(const Recording& recording, const std::vector<MotionPair>& pairs,
+                     const Config& config, const DeviceOptions& device, Inspection& result) {
+  const std::vector<MergedTopic>& lidars = result.sensors.sweeps;
+  if (pairs.empty() && lidars.size() < 2) {
     return;
   }
   try {
@@ -148,6 +156,10 @@ void compare_motion(const Recording& recording, const std::vector<MotionPair>& p
       Odometry odometry(session.context(), as_taken);
       result.motion.push_back(
           check_motion(recording, pair, [&](const Sweep& sweep) { return odometry.step(sweep); }));
+    }
+    for (std::size_t i = 1; i < lidars.size(); ++i) {
+      result.lidars.push_back(
+          check_lidar_mounting(recording, lidars.front(), lidars[i], config, session.context()));
     }
     session.require_no_complaints();
   } catch (const engine::Error& error) {
@@ -206,7 +218,7 @@ Inspection inspect(const std::vector<std::filesystem::path>& paths, const Config
     result.frames.add(transform);
   }
   const OneSensorRecording mapped(*recording, result.sensors.frames);
-  compare_motion(mapped, pairs_to_check(result, profiles, config), config, device, result);
+  compare_sensors(mapped, pairs_to_check(result, profiles, config), config, device, result);
 
   const auto add = [&](std::vector<Finding> found) {
     std::ranges::move(found, std::back_inserter(result.findings));
@@ -237,6 +249,9 @@ Inspection inspect(const std::vector<std::filesystem::path>& paths, const Config
   }
   for (const MotionCheck& check : result.motion) {
     add(find_in_motion(check));
+  }
+  for (const LidarMounting& mounting : result.lidars) {
+    add(find_in_mounting(mounting));
   }
   excuse_unused_topics(result);
   return result;

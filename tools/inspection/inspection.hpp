@@ -10,6 +10,7 @@
 
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/core/frame_tree.hpp"
+#include "adit/tools/inspection/lidar_mounting.hpp"
 #include "adit/tools/inspection/motion_check.hpp"
 #include "adit/tools/inspection/recording_findings.hpp"
 #include "adit/tools/recordings/recording.hpp"
@@ -29,6 +30,7 @@ struct Inspection {
   RecordedSensors sensors{};                ///< what a run uses besides
   std::vector<StaticTransform> scaled{};    ///< whose quaternions are not of length 1, each once
   std::vector<MotionCheck> motion;          ///< from the first sweeps, with every IMU
+  std::vector<LidarMounting> lidars{};      ///< of the range sensors that are merged with the first
   std::vector<Finding> findings;
 };
 

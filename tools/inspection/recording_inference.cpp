@@ -192,6 +192,9 @@ std::vector<Inference> infer(const Inspection& inspection) {
   for (const MotionCheck& check : inspection.motion) {
     all.push_back({check.pair.imu.name, describe(check)});
   }
+  for (const LidarMounting& mounting : inspection.lidars) {
+    all.push_back({mounting.topic, describe(mounting)});
+  }
   return all;
 }
 
@@ -204,6 +207,17 @@ Config suggest_config(const Inspection& inspection, const Config& read_with) {
   if (const auto topic =
           chosen(inspection.sweeps, TopicKind::sweeps, read_with.recording.sweep_topic)) {
     correct_sweeps(inspection, *topic, config);
+  }
+  std::vector<std::array<double, 7>>& mountings = config.recording.T_lidar_further;
+  for (std::size_t i = 0; i < inspection.lidars.size(); ++i) {
+    const LidarMounting& mounting = inspection.lidars[i];
+    const bool wrong = found(inspection, "lidar_mounting", mounting.topic);
+    if (wrong || i < mountings.size()) {
+      for (std::size_t k = mountings.size(); k <= i; ++k) {
+        mountings.push_back(numbers_of(inspection.lidars[k].expected));
+      }
+      mountings[i] = numbers_of(wrong ? *mounting.found : mounting.expected);
+    }
   }
   if (const auto topic =
           chosen(inspection.sensors.imu, TopicKind::imu, read_with.recording.imu_topic)) {

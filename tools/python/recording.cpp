@@ -106,6 +106,7 @@ SensorTopics RecordingFile::sensors() const {
         .sweeps = sweeps, .imu = chosen.imu, .gnss = chosen.gnss, .velocity = chosen.velocity};
     transforms_ = std::move(chosen.transforms.transforms);
     mapped_.emplace(whole_ ? *whole_ : *recording_, chosen.frames);
+    merged_.emplace(*mapped_, chosen.sweeps, path_);
     static_cast<void>(require_clear_point_times(OneSensorRecording(*recording_, chosen.frames),
                                                 sensors.sweeps, path_));
     sensors_ = sensors;
@@ -136,7 +137,7 @@ std::unique_ptr<EventStream> RecordingFile::events(const std::vector<std::size_t
 
 std::unique_ptr<EventStream> RecordingFile::mapped_events() const {
   const SensorTopics chosen = sensors();
-  return mapped_->events({.topics = chosen.all(), .velocities_of = chosen.velocity});
+  return merged_->events({.topics = chosen.all(), .velocities_of = chosen.velocity});
 }
 
 std::vector<std::string> RecordingFile::damage() const {

@@ -14,6 +14,7 @@
 #include <pybind11/pybind11.h>
 
 #include "adit/slam/core/config.hpp"
+#include "adit/tools/recordings/merged_sweeps.hpp"
 #include "adit/tools/recordings/one_sensor.hpp"
 #include "adit/tools/recordings/recording.hpp"
 
@@ -63,6 +64,7 @@ class RecordingFile {
   std::vector<std::string> damage_;
   mutable std::optional<SensorTopics> sensors_;
   mutable std::optional<OneSensorRecording> mapped_;  ///< with sensors_
+  mutable std::optional<MergedRecording> merged_;     ///< the same, of all range sensors
   mutable std::vector<StaticTransform> transforms_;   ///< with sensors_
 };
 

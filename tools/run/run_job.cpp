@@ -16,12 +16,12 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/map_database/writer_lock.hpp"
-#include "adit/tools/recordings/one_sensor.hpp"
 #include "adit/tools/report/run_assessment.hpp"
 #include "adit/tools/report/run_statistics.hpp"
 #include "adit/tools/report/run_summary.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/run/earlier_run.hpp"
+#include "adit/tools/run/prepared_run.hpp"
 #include "adit/tools/run/run_judgement.hpp"
 #include "adit/tools/run/run_map.hpp"
 #include "adit/tools/run/run_map_page.hpp"
@@ -50,36 +50,6 @@ constexpr auto kReplaceBadText = nlohmann::ordered_json::error_handler_t::replac
 
 // A map that closes loops must never hold up the poses of a sensor that goes on.
 constexpr std::size_t kMostBehindLive = std::numeric_limits<std::size_t>::max();
-
-/// The sweeps to map, and where they come from.
-struct SweepChoice {
-  std::size_t topic = 0;
-  std::size_t size = 0;  ///< sweeps in the recording
-  SweepRange range;
-};
-
-SweepChoice choose_sweeps(const RunSource& source, const RunCommandOptions& options,
-                          const std::optional<std::string>& name) {
-  const Recording& recording = *source.known;
-  const std::size_t topic = sweep_topic(recording, options.recording, name);
-  const auto size = static_cast<std::size_t>(recording.topics()[topic].messages.value_or(0));
-  if (source.endless) {
-    return {.topic = topic, .size = size, .range = {.first = 0, .count = kUnknownTotal}};
-  }
-  const auto start = static_cast<std::size_t>(options.start.value_or(0));
-  if (size == 0) {
-    throw InputError(options.recording, {},
-                     recording.topics()[topic].name + " holds no whole sweep",
-                     "`adit inspect` tells what is in it");
-  }
-  if (start >= size) {
-    throw UsageError("--start " + std::to_string(start) + ": the recording has the sweeps 0 to " +
-                     std::to_string(size - 1) + ".");
-  }
-  const std::size_t rest = size - start;
-  const std::size_t count = options.count ? static_cast<std::size_t>(*options.count) : rest;
-  return {.topic = topic, .size = size, .range = {.first = start, .count = std::min(count, rest)}};
-}
 
 RunDescription describe_run(const RunCommandOptions& options, const Config& config,
                             const Recording& recording, const SweepChoice& sweeps,
@@ -162,51 +132,6 @@ RunOutcome with_timeline(RunOutcome outcome, const RunTimeline& timeline,
     }
   }
   return outcome;
-}
-
-/// A run before anything of it is written.
-struct PreparedRun {
-  bool replaces_a_run = false;  ///< the folder holds the results of one
-  Config config;
-  RunSource source;
-  SweepChoice sweeps;
-  RecordedSensors sensors;
-  std::optional<MapUse> map_use{};               ///< of an earlier map
-  std::optional<std::size_t> gnss{};             ///< the topic whose fixes are used
-  std::size_t most_points = 0;                   ///< of a sweep
-  std::unique_ptr<OneSensorRecording> mapped{};  ///< what is mapped; it refers to `source`
-};
-
-/// Opens the source and chooses the topics. Throws InputError and UsageError.
-PreparedRun prepare(const WantedRun& chosen, const OpenSource& open, std::ostream& err) {
-  const RunCommandOptions& options = chosen.options;
-  PreparedRun run;
-  // A map that is gone on with shows that the folder is a run's.
-  run.replaces_a_run = chosen.continued.has_value() || check_output_folder(options);
-  if (!chosen.continued && !options.overwrite) {
-    require_no_results(options.output);
-  }
-  run.config = load_config(options.config);
-  run.map_use = map_use(options, run.config);
-  run.source = open(run.config);
-  const Recording& recording = *run.source.known;
-  if (run.config.imu.wait == ImuConfig{}.wait) {  // not stated: as when it arrived
-    run.config.imu.wait = recording.recorded_wait().value_or(run.config.imu.wait);
-  }
-  require_packets(options.config, options.recording);
-  run.sweeps = choose_sweeps(run.source, options,
-                             options.topic ? options.topic : run.config.recording.sweep_topic);
-  run.sensors = choose_sensors(recording, run.sweeps.topic, run.config);
-  const OneSensorRecording known(recording, run.sensors.frames);
-  run.most_points = require_clear_point_times(known, run.sweeps.topic, options.recording);
-  run.mapped = std::make_unique<OneSensorRecording>(
-      run.source.arriving ? *run.source.arriving : recording, run.sensors.frames);
-  if (run.config.mapping.enabled) {
-    run.gnss = run.sensors.gnss;
-  } else if (run.sensors.gnss && !options.quiet) {
-    err << kFixesAreLeftOut;
-  }
-  return run;
 }
 
 /// Throws OutputError where one of the files could not be written.
@@ -368,11 +293,11 @@ MappedRun map(const RunCommandOptions& options, const PreparedRun& run, JobOutpu
     }
     if (view != nullptr) {
       view->add(sweep, statistics,
-                run.source.endless ? statistics.sweeps() : run.sweeps.range.count);
+                run.sweeps.counted ? run.sweeps.range.count : statistics.sweeps());
     }
   };
   mapped.outcome =
-      map_sweeps({.recording = *run.mapped,
+      map_sweeps({.recording = *run.merged,
                   .topic = run.sweeps.topic,
                   .range = run.sweeps.range,
                   .path = options.recording,
@@ -407,13 +332,14 @@ int complete(const RunCommandOptions& options, const PreparedRun& run, const Job
   description.config = mapped.config;
   if (!options.quiet) {
     err << notes_of(run.config, description.config, mapped.mounting)
-        << as_notes(run.mapped->notes());
-  }
-  if (run.source.endless) {
-    description.range.count = statistics.sweeps();
-    description.recording_sweeps = statistics.sweeps();
+        << as_notes(run.mapped->notes()) << as_notes(run.merged->notes());
   }
   const RunOutcome& outcome = mapped.outcome;
+  if (!run.sweeps.counted) {
+    const bool whole = run.source.endless || outcome.result.end == RunEnd::completed;
+    description.range.count = std::max(statistics.sweeps(), whole ? 0 : run.sweeps.size);
+    description.recording_sweeps = run.sweeps.range.first + description.range.count;
+  }
   const int judged = judge_run(outcome, statistics, description, err);
   const Trust trust = assess_run(description, outcome, statistics).trust;
   if (!options.quiet && statistics.sweeps() > 0) {
@@ -463,13 +389,13 @@ int run_job(const WantedRun& chosen, const OpenSource& open, RunView* view, std:
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   RunStatistics statistics(run.config);
   Progress progress(err, options.quiet ? ProgressStyle::none : progress_style_of_stderr(),
-                    "mapping", run.source.endless ? kUnknownTotal : run.sweeps.range.count);
+                    "mapping", run.sweeps.counted ? run.sweeps.range.count : kUnknownTotal);
   if (view != nullptr) {
     view->set_doing("mapping");
   }
   if (run.source.begun) {
     run.source.begun(
-        {.mapped = *run.mapped,
+        {.mapped = *run.merged,
          .imu = run.sensors.imu,
          .config = run.config,
          .map = outputs.map ? std::optional(RunFiles(options.output).database) : std::nullopt});

@@ -25,10 +25,11 @@ struct RunCommandOptions {
   DeviceOptions device{};
   MapOptions map{};
   HighRateOptions high_rate{};
-  std::optional<std::string> topic{};  ///< the sweeps' topic; none: the only one
-  std::optional<int64_t> start{};      ///< the first sweep, counted from 0; none: the first of all
-  std::optional<int64_t> count{};      ///< none: to the end
-  bool continues = false;              ///< the output's map is gone on with
+  std::optional<std::string> topic{};        ///< the sweeps' topic; none: the only one
+  std::vector<std::string> merged_topics{};  ///< further topics of sweeps that are merged with it
+  std::optional<int64_t> start{};  ///< the first sweep, counted from 0; none: the first of all
+  std::optional<int64_t> count{};  ///< none: to the end
+  bool continues = false;          ///< the output's map is gone on with
   std::optional<std::filesystem::path> from{};      ///< a map whose recording and settings to take
   MapUseOptions earlier_map{};                      ///< a map of earlier sessions, and its use
   uint64_t max_ram_bytes = 0;                       ///< that may be resident; 0: no limit

@@ -56,7 +56,7 @@ EarlierRun run_to_continue(const RunCommandOptions& options) {
                      (options.odometry ? "--odometry" : "--overwrite") + " exclude each other.");
   }
   if (options.from || config.file || !config.preset.empty() || !config.overrides.empty() ||
-      options.topic || options.start || options.count) {
+      options.topic || !options.merged_topics.empty() || options.start || options.count) {
     throw UsageError(
         "--continue goes on with the settings and the sweeps that the map was begun with; leave "
         "out what chooses others. --from MAP maps the recording of a map with other settings.");

@@ -128,6 +128,18 @@ void assign(std::array<double, n>& to, const toml::node& node) {
 }
 
 template <class Value>
+void assign(std::vector<Value>& to, const toml::node& node) {
+  const toml::array* values = node.as_array();
+  if (values == nullptr) {
+    throw Complaint{node.source().begin, "is " + type_name(node), "Write a list in brackets"};
+  }
+  to.clear();
+  for (const toml::node& value : *values) {
+    assign(to.emplace_back(), value);
+  }
+}
+
+template <class Value>
 void assign(std::optional<Value>& to, const toml::node& node) {
   assign(to.emplace(), node);
 }

@@ -9,6 +9,7 @@
 
 #include <fmt/core.h>
 
+#include "adit/slam/core/lie.hpp"
 #include "adit/tools/recordings/ros_messages.hpp"
 #include "adit/tools/recordings/topic_survey.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -94,6 +95,51 @@ CandidateList velocities_of(const Recording& recording, const std::string& name)
                      (known.empty() ? "it has none" : "it has velocities on " + known) + ".");
   }
   return list;
+}
+
+/// The topics of sweeps that are merged with those of `first`, by their names.
+std::vector<std::size_t> further_sweeps(const Recording& recording, std::size_t first,
+                                        const RecordingConfig& config) {
+  std::vector<std::size_t> further;
+  for (const std::string& name : config.further_sweep_topics) {
+    const auto found = std::ranges::find_if(recording.topics(), [&](const Topic& topic) {
+      return topic.name == name && topic.kind == TopicKind::sweeps;
+    });
+    const auto topic = static_cast<std::size_t>(found - recording.topics().begin());
+    if (found == recording.topics().end()) {
+      throw UsageError("recording.further_sweep_topics: the recording has no sweeps on '" + name +
+                       "'; adit inspect lists its topics.");
+    }
+    if (topic == first || std::ranges::count(further, topic) > 0) {
+      throw UsageError("recording.further_sweep_topics: '" + name + "' is named twice.");
+    }
+    further.push_back(topic);
+  }
+  return further;
+}
+
+/// How the further sensor `i` is mounted on the first.
+Eigen::Isometry3d mounting_of(std::size_t i, const std::string& lidar, const std::string& frame,
+                              const FrameTree& tree, const RecordingConfig& config) {
+  if (i < config.T_lidar_further.size()) {
+    return pose_of(config.T_lidar_further[i]);
+  }
+  const bool named = !lidar.empty() && !frame.empty();
+  const auto found = !named ? std::nullopt
+                     : lidar == frame
+                         ? std::optional(Eigen::Isometry3d(Eigen::Isometry3d::Identity()))
+                         : tree.transform(lidar, frame);
+  if (!found) {
+    throw UsageError("recording.further_sweep_topics: " +
+                     (named ? "no transform connects '" + frame + "', the frame of " +
+                                  config.further_sweep_topics[i] + ", with '" + lidar + "'"
+                            : "a frame is not named, of " + config.further_sweep_topics[i] +
+                                  " or of the first sensor") +
+                     ". Give the pose of the sensor in the first one's axes: --set "
+                     "'recording.T_lidar_further=[[x, y, z, qx, qy, qz, qw]]'.");
+  }
+  // By its numbers, so that the same setting gives the same bytes.
+  return pose_of(numbers_of(*found));
 }
 
 /// Leaves those of other frames out. A frame that is not among the first messages may come later.
@@ -189,6 +235,12 @@ RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
                             : range.empty() ? ""
                                             : range.front().frame;
   keep_frame(sweeps, lidar);
+  const std::vector<std::size_t> further = further_sweeps(recording, sweeps, config.recording);
+  std::vector<std::string> frames{lidar};
+  for (const std::size_t topic : further) {
+    const std::vector<SensorSample> samples = first_samples(recording, topic);
+    keep_frame(topic, frames.emplace_back(samples.empty() ? "" : samples.front().frame));
+  }
   CandidateList imus;
   if (config.imu.use) {
     imus = candidates_of(recording, TopicKind::imu, config.recording.imu_topic,
@@ -204,7 +256,7 @@ RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
   if (config.velocity.use && config.recording.velocity_topic) {
     velocities = velocities_of(recording, *config.recording.velocity_topic);
   }
-  std::vector<std::string> frames{lidar};
+  const std::vector<std::string> of_lidars = frames;
   for (const CandidateList* list : {&imus, &receivers, &velocities}) {
     for (const SensorCandidate& one : list->candidates) {
       frames.push_back(one.sample.frame);
@@ -212,6 +264,12 @@ RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
   }
   chosen.transforms = recorded_transforms(recording, frames);
   const FrameTree tree = frame_tree_of(chosen.transforms);
+  const MergedSensor of_range{.c_min = config.preprocess.c_min, .c_max = config.preprocess.c_max};
+  chosen.sweeps = {{.topic = sweeps, .frame = lidar, .sensor = of_range}};
+  for (std::size_t i = 0; i < further.size(); ++i) {
+    MergedTopic& one = chosen.sweeps.emplace_back(further[i], of_lidars[i + 1], of_range);
+    one.sensor.T_lidar_sensor = mounting_of(i, lidar, one.frame, tree, config.recording);
+  }
   const auto is_connected = [&](const SensorCandidate& one) {
     return !lidar.empty() && !one.sample.frame.empty() &&
            tree.transform(lidar, one.sample.frame).has_value();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "adit/slam/core/config.hpp"
+#include "adit/tools/recordings/merged_sweeps.hpp"
 #include "adit/tools/recordings/recording.hpp"
 #include "adit/tools/setup/static_transforms.hpp"
 
@@ -22,6 +23,8 @@ struct PassedOver {
 
 /// The sensors that a run uses besides the range sensor, and how all are mounted.
 struct RecordedSensors {
+  std::vector<MergedTopic>
+      sweeps{};  ///< the topic that is mapped, and those that are merged with it
   std::optional<std::size_t> imu{};   ///< its topic; none: there is none, or imu.use is off
   std::optional<std::size_t> gnss{};  ///< likewise, with gnss.use
   /// Velocities, or odometry whose twist they are; none unless recording.velocity_topic names it.
@@ -37,7 +40,7 @@ struct RecordedSensors {
 /// the sweeps, and whose rate is higher, in this order; of several receivers the first with a fix.
 /// recording.imu_topic and recording.gnss_topic choose themselves. Velocities are used of
 /// recording.velocity_topic alone: such messages may be commands. Throws UsageError where the
-/// recording lacks a topic that is named.
+/// recording lacks a topic that is named, or nothing tells how a further range sensor is mounted.
 RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
                                const Config& config);
 

@@ -169,6 +169,8 @@ LidarOptions read_lidar(const Reader& reader, const toml::table& table) {
        {"fields", [&](const auto& node) { lidar.layout = cloud_layout_named(reader.text(node)); }},
        {"position", [&](const auto& node) { mount.position = reader.vector(node); }},
        {"yaw_pitch_roll", [&](const auto& node) { mount.yaw_pitch_roll = reader.vector(node); }},
+       {"begin", [&](const auto& node) { lidar.begin = reader.number(node); }},
+       {"end", [&](const auto& node) { lidar.end = reader.number(node); }},
        {"noise", [&](const auto& node) { lidar.effects.noise = reader.truth(node); }},
        {"dropout", [&](const auto& node) { lidar.effects.dropout = reader.truth(node); }},
        {"mixed_pixels", [&](const auto& node) { lidar.effects.mixed_pixels = reader.truth(node); }},
@@ -343,6 +345,8 @@ dropout = true
 mixed_pixels = true
 dust = true
 doppler = false  # measures the radial speed of each return
+begin = 0.0  # s after the recording's start: it sends nothing before
+# end = 30.0  # s: and nothing after, as one that was unplugged
 
 [imu]
 model = "industrial"  # or "none"

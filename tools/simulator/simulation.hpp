@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,6 +38,8 @@ struct LidarOptions {
   std::string frame = "lidar";
   Eigen::Isometry3d T_imu_lidar = lidar_mount();
   RangeEffects effects{};
+  double begin = 0.0;                                    ///< s, it sends nothing before
+  double end = std::numeric_limits<double>::infinity();  ///< s, nor after: it was unplugged
   bool doppler = false;                 ///< measures the radial speed of each return
   std::optional<CloudLayout> layout{};  ///< instead of that of the sensor's driver
 };

@@ -150,6 +150,9 @@ RangeSweep LidarTrack::sweep(std::size_t index) const {
 void LidarTrack::write(const RangeSweep& sweep, std::size_t index, Nanoseconds received,
                        SimulationRecorder& recorder, std::optional<OutputFile>& labels,
                        SimulationSummary& summary) const {
+  if (seconds(received) < options_->begin || seconds(received) > options_->end) {
+    return;
+  }
   const ros::EncodedEvent message = cloud_message(
       sweep, options_->layout.value_or(simulator_->sensor().layout), epoch_, options_->frame);
   for (int copy = faults_->copies(number_, index, received); copy > 0; --copy) {
