@@ -36,10 +36,32 @@ MARKS = ("note: ", "note  ", "warning: ", "adit run: warning")
 STREAMS = {"err", "err_", "cerr"}
 # Files that put reasons, warnings and findings into words: each statement with a literal of
 # several words is a message.
-TEXTS = ("tools/report/*_text.cpp", "tools/report/loop_reasons.cpp", "tools/report/run_assessment.cpp",
-         "tools/run/run_judgement.cpp", "tools/inspection/unchecked.cpp", "tools/live/clock_check.cpp",
-         "tools/live/source_watch.cpp", "tools/setup/device_finding.cpp", "slam/core/config.cpp",
-         "tools/cli/plain_complaint.cpp")
+TEXTS = ("engine/self_test/self_test*.cpp", "slam/core/config.cpp", "tools/cli/command_line.cpp",
+         "tools/cli/plain_complaint.cpp", "tools/clouds/cloud_columns.cpp", "tools/clouds/cloud_origin.cpp",
+         "tools/clouds/*_reader.cpp", "tools/clouds/sweep_times.cpp", "tools/containers/*_cursor.cpp",
+         "tools/containers/bag_reader.cpp", "tools/containers/compression.cpp", "tools/containers/declaration_error.cpp",
+         "tools/containers/mcap_reader.cpp", "tools/containers/sqlite_database.cpp", "tools/evaluation/evaluate.cpp",
+         "tools/export/align_report.cpp", "tools/export/export_job.cpp", "tools/inspection/clock_*.cpp",
+         "tools/inspection/motion_check.cpp", "tools/inspection/unchecked.cpp", "tools/live/clock_check.cpp",
+         "tools/live/disk_reserve.cpp", "tools/live/source_list.cpp", "tools/live/source_watch.cpp",
+         "tools/map_database/map_database_check.cpp", "tools/map_database/map_recovery.cpp",
+         "tools/map_database/map_salvage.cpp", "tools/map_database/map_schema.cpp",
+         "tools/map_database/write_ahead_log.cpp", "tools/map_merge/merge_report.cpp",
+         "tools/recordings/message_files.cpp", "tools/recordings/sweep_files.cpp", "tools/recordings/topic_survey.cpp",
+         "tools/report/*_text.cpp", "tools/report/left_out.cpp", "tools/report/run_assessment.cpp",
+         "tools/report/run_statistics.cpp", "tools/report/velocity_statistics.cpp", "tools/results/sweep_table.cpp",
+         "tools/results/trajectory_io.cpp", "tools/run/run_judgement.cpp", "tools/run/run_mapping.cpp",
+         "tools/setup/device_*.cpp", "tools/setup/sensor_topics.cpp", "tools/setup/static_transforms.cpp")
+# What a database is asked is no message.
+QUERY = re.compile(r"\s*(SELECT|INSERT|CREATE|UPDATE|DELETE|ALTER|PRAGMA|FROM|WHERE|BEGIN|DROP) ")
+# Names of buffers, of records that are read, headings and lines of results, which those files have as well.
+LABELS = re.compile(r"self-test|surface cells back|the (header|data) of a record|a chunk's counts|the bag's (header|index)"
+                    r"|a (metadata|summary) record|the statistics record|(messages in all|(chunks|attachments) in the index)"
+                    r"|the list of tables|session keyframes|sessions edges|overlap rms|adit device cache|[| ]*Vulkan"
+                    r"|Options of every command|-V,--version|the numbers are read as they lie|point-to-plane|ndt-to-ndt"
+                    r"|adit live (ros2|udp)|a stored submap of the map|the index of places$|table an index|ok is never used"
+                    r"|the references between tables|the pages of the database|submaps their tables|the map's place in"
+                    r"|m, roll|roll , pitch|qx , qy|world by")
 # Files that name reasons by a word: what to_string() returns there is a message.
 REASONS = ("slam/loops/loop_verification.cpp", "slam/registration/cloud_aligner.cpp", "slam/registration/registration.cpp",
            "slam/odometry/verdict.cpp")
@@ -104,7 +126,8 @@ def template(part):
 
 def prose(text):
     """Whether a literal is a message: three words at least."""
-    return len(re.findall(r"(?<![\w.])[A-Za-z][a-z']+(?![\w(]|\.\w)|\ba\b", text)) >= 3
+    words = re.findall(r"(?<![\w.])[A-Za-z][a-z']+(?![\w(]|\.\w)|\ba\b", text)
+    return len(words) >= 3 and not QUERY.match(text)
 
 
 def statements(found):
@@ -142,51 +165,66 @@ def functions(found):
             index += 1
 
 
-def messages_of(path, text):
-    """(line, template) of each message of a source."""
-    found = tokens(text)
-    if any(fnmatch.fnmatch(path, pattern) for pattern in TEXTS):
-        return sorted({template(part): (part[0].line, template(part)) for part in statements(found)}.values())
-    bodies = list(functions(found))
+def reasons(found):
+    """(line, word) of each reason that to_string() returns."""
+    for index, token in enumerate(found[:-1]):
+        if token.literal and found[index - 1].text == "return" and found[index + 1].text == ";" \
+                and token.text not in NO_REASON:
+            yield token.line, token.text
+
+
+def calls(path, found):
+    """(index, first token of the name, arguments) of each call that takes the text of a message."""
     sinks = SINKS.union(*(names for folder, names in LOCAL_SINKS.items() if path.startswith(folder)))
-    result, done = [], set()
-    if path in REASONS:
-        result = [(token.line, token.text) for index, token in enumerate(found)
-                  if token.literal and found[index - 1].text == "return" and found[index + 1].text == ";"
-                  and token.text not in NO_REASON]
     for index, token in enumerate(found[:-1]):
         if token.literal or found[index + 1].text not in ("(", "{") or found[index + 1].literal:
             continue
         first = index
         while first >= 2 and found[first - 1].text == "::":
             first -= 2
-        # A finding of `adit inspect` is written {Severity::problem, "its kind", ...}.
-        severe = token.text in ("return", "push_back", "(", "=", "{") and index + 2 < len(found) and \
-            found[index + 2].text == "Severity"
-        qualified = "".join(one.text for one in found[first:index + 1])
-        listed = token.text in ("push_back", "emplace_back") and found[index - 2].text.rstrip("_") in LISTS
-        if qualified in INTERNAL or not (listed or severe or token.text in sinks or is_exception(token.text)):
+        if "".join(one.text for one in found[first:index + 1]) in INTERNAL:
             continue
+        listed = token.text in ("push_back", "emplace_back") and found[index - 2].text.rstrip("_") in LISTS
         part = found[index + 2:closing(found, index + 1) - 1]
-        if severe or any(one.literal and prose(one.text) for one in part):
-            wanted = [(token.line, part)]
-        elif first and found[first - 1].text == "throw" and any(one.literal and " " in one.text.strip() for one in part):
-            wanted = [(token.line, part)]
-        elif first and found[first - 1].text == "throw":
-            # What is thrown was put into words before, in the same function.
+        if listed or is_finding(token, part) or token.text in sinks or is_exception(token.text):
+            yield index, first, part
+
+
+def is_finding(token, part):
+    """A finding of `adit inspect` is written {Severity::problem, "its kind", ...}."""
+    return token.text in ("return", "push_back", "(", "=", "{") and part and part[0].text == "Severity"
+
+
+def of_calls(path, found):
+    """(line, tokens) of each message that is the argument of a call."""
+    bodies = list(functions(found))
+    for index, first, part in calls(path, found):
+        thrown = first > 0 and found[first - 1].text == "throw"
+        if any(one.literal and prose(one.text) for one in part) or is_finding(found[index], part) or \
+                thrown and any(one.literal and " " in one.text.strip() for one in part):
+            yield found[index].line, part
+        elif thrown:  # what was put into words before, in the same function
             body = next((body for body in bodies if body[0] <= index < body[1]), (index, index))
-            wanted = [(part[0].line, part) for part in statements(found[body[0]:body[1]])]
-        else:
-            wanted = []
-        for line, words in wanted:
-            if line not in done:
-                done.add(line)
-                result.append((line, template(words)))
+            yield from ((text[0].line, text) for text in statements(found[body[0]:body[1]]))
+
+
+def messages_of(path, text):
+    """(line, template) of each message of a source, each once."""
+    found = tokens(text)
+    texts, done = [], {}
+    if any(fnmatch.fnmatch(path, pattern) for pattern in TEXTS):
+        texts = [(part[0].line, template(part)) for part in statements(found)]
+        texts = [one for one in texts if not LABELS.match(re.sub(rf"[{ANY}* ]+", " ", one[1]).strip())]
+    for line, part in of_calls(path, found):
+        done.setdefault(line, template(part))
     for part in statements(found):
         marked = any(one.literal and one.text.startswith(MARKS) for one in part) or part[0].text in STREAMS
-        if marked and not done & {one.line for one in part}:
-            result.append((part[0].line, template(part)))
-    return sorted({words: (line, words) for line, words in reversed(result)}.values())
+        if marked and not done.keys() & {one.line for one in part}:
+            done[part[0].line] = template(part)
+    # What a statement of a file of texts has whole is not counted twice.
+    others = [one for one in done.items() if not any(one[1].strip(ANY + " ") in words for _, words in texts)]
+    named = list(reasons(found)) if path in REASONS else []
+    return sorted({words: (line, words) for line, words in reversed(texts + named + others)}.values())
 
 
 def messages(files):
@@ -237,6 +275,12 @@ def check(files):
     return problems, found, missing
 
 
+def stale(files):
+    """Patterns of this script that no file has any more, so that what they found would be missed in silence."""
+    return [f"tests/messages.py: no file is called {pattern}" for pattern in TEXTS + REASONS + DEVELOPERS
+            if not any(fnmatch.fnmatch(path, pattern) for path in files)]
+
+
 def read_tree(root):
     listing = subprocess.run(["git", "-C", str(root), "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
                              check=True, capture_output=True).stdout.decode()
@@ -247,7 +291,9 @@ def read_tree(root):
 def main():
     options = [argument for argument in sys.argv[1:] if argument.startswith("--")]
     roots = [argument for argument in sys.argv[1:] if not argument.startswith("--")]
-    problems, found, missing = check(read_tree(pathlib.Path(roots[0] if roots else pathlib.Path(__file__).parent.parent)))
+    files = read_tree(pathlib.Path(roots[0] if roots else pathlib.Path(__file__).parent.parent))
+    problems, found, missing = check(files)
+    problems += stale(files)
     if options:
         for place, words in found if "--list" in options else missing:
             print(f"{place}: {words}")

@@ -75,6 +75,9 @@ class Messages(unittest.TestCase):
                          ["the IMU was lost for … s"])
         self.assertEqual(list(messages.messages({"tools/report/imu.cpp": source})), [])
 
+    def test_a_pattern_that_no_file_has_is_found(self):
+        self.assertEqual(len(messages.stale({})), len(messages.TEXTS + messages.REASONS + messages.DEVELOPERS))
+
     def test_faults_of_the_program_are_no_messages(self):
         self.assertEqual(self.problems(source=SOURCE + 'void f() { throw std::logic_error("a kernel has no name"); }\n'), [])
 
