@@ -18,6 +18,7 @@ struct RecordingConfig {
   std::optional<std::string> imu_topic{};
   std::optional<std::string> gnss_topic{};
   std::optional<std::string> velocity_topic{};
+  bool velocity_of_poses = false;
   std::optional<std::string> sweep_frame{};
   std::optional<std::string> imu_frame{};
   std::optional<std::string> metadata{};
@@ -49,8 +50,10 @@ struct RecordingConfig {
     field("gnss_topic", self.gnss_topic, "", "the topic of fixes; not given: the first with a fix");
     field("velocity_topic", self.velocity_topic, "",
           "the topic of measured velocities (wheels, radar, another odometry): TwistStamped, "
-          "TwistWithCovarianceStamped, or the twist of Odometry; not given: none is used, since "
-          "such messages may be commands");
+          "TwistWithCovarianceStamped, the twist of Odometry, or PoseStamped, whose poses give "
+          "velocities; not given: none is used, since such messages may be commands");
+    field("velocity_of_poses", self.velocity_of_poses, "",
+          "true: of Odometry on velocity_topic the poses give velocities, not the twist");
     field("sweep_frame", self.sweep_frame, "",
           "the frame of the sensor to map, where several publish sweeps on one topic; not given: "
           "the one with most messages at the start");

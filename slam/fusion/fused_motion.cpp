@@ -47,6 +47,11 @@ bool holds_all(const RegistrationResult& alignment) {
          std::ranges::all_of(alignment.rotation, is_held);
 }
 
+/// Squared innovations of that many directions beyond it are no error of an alignment.
+double gate(int directions) {
+  return kBeyondBelief * kChiSquared999[static_cast<size_t>(directions)];
+}
+
 /// What a graph that fails is, of a prediction or of a fused state.
 FailedCheck check_of(GraphFailure failure, StateQuantity quantity) {
   switch (failure) {
@@ -62,6 +67,31 @@ FailedCheck check_of(GraphFailure failure, StateQuantity quantity) {
 
 Eigen::Isometry3d matched_pose(const RegistrationResult& alignment) {
   return measured_pose(alignment, kWhiteModel, Eigen::Isometry3d::Identity()).T_map_body;
+}
+
+// What all alignments err by alike is an error between the prediction and the matches, too.
+Matrix6d pose_prior(const Matrix6d& lidar_covariance, double inflation) {
+  Vector6d floor;
+  floor << Eigen::Vector3d::Constant(kWhiteModel.sigma_translation),
+      Eigen::Vector3d::Constant(kWhiteModel.sigma_rotation);
+  Matrix6d covariance = lidar_covariance;
+  covariance.diagonal() += floor.cwiseAbs2();
+  const Matrix6d information = inflation * covariance.ldlt().solve(Matrix6d::Identity());
+  return 0.5 * (information + information.transpose());
+}
+
+Matrix6d pose_prior(const Matrix6d& lidar_covariance) {
+  return pose_prior(lidar_covariance, kWhiteModel.kappa);
+}
+
+bool is_beyond_belief(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& covariance,
+                      const RegistrationResult& alignment) {
+  const PoseMeasurement measurement =
+      measured_pose(alignment, kWhiteModel, Eigen::Isometry3d::Identity());
+  StateEstimate prediction;
+  prediction.state.T_map_body = T_map_lidar;
+  prediction.covariance.topLeftCorner<6, 6>() = covariance;
+  return innovation(prediction, measurement).nis > gate(measurement.known_directions);
 }
 
 FusedMotion::FusedMotion(const GraphSettings& settings, const SensorStart& start,
@@ -86,17 +116,6 @@ std::variant<StateEstimate, FailedCheck> FusedMotion::predict(std::vector<ImuSam
   return prediction;
 }
 
-// What all alignments err by alike is an error between the prediction and the matches, too.
-Matrix6d FusedMotion::pose_prior(const Matrix6d& lidar_covariance) const {
-  Vector6d floor;
-  floor << Eigen::Vector3d::Constant(kWhiteModel.sigma_translation),
-      Eigen::Vector3d::Constant(kWhiteModel.sigma_rotation);
-  Matrix6d covariance = lidar_covariance;
-  covariance.diagonal() += floor.cwiseAbs2();
-  const Matrix6d information = inflation_ * covariance.ldlt().solve(Matrix6d::Identity());
-  return 0.5 * (information + information.transpose());
-}
-
 FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
                              const Eigen::Isometry3d& T_body_lidar, const CheckContext& context,
                              std::vector<MeasuredWay> ways) {
@@ -110,7 +129,7 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
     inflation_ = inflation(*alignment, kWhiteModel);
     result.innovation = innovation(pending.prediction, *measurement);
     const auto degrees = static_cast<size_t>(measurement->known_directions);
-    result.innovation_gate = kBeyondBelief * kChiSquared999[degrees];
+    result.innovation_gate = gate(measurement->known_directions);
     const double surprise = holds_all(*alignment) ? 1.0 : kWeakSurprise;
     const bool outlier = result.innovation.nis > result.innovation_gate;
     outliers_ = outlier ? outliers_ + 1 : 0;

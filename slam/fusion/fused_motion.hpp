@@ -38,6 +38,18 @@ struct FusedSweep {
 /// against.
 Eigen::Isometry3d matched_pose(const RegistrationResult& alignment);
 
+/// Information of a predicted pose of the lidar with that covariance ([rho, phi], lidar axes), in
+/// units of the matches' Hessian, of which `inflation` times the inverse is the covariance: for
+/// Prediction::information.
+Matrix6d pose_prior(const Matrix6d& lidar_covariance, double inflation);
+/// Before any alignment has told the inflation.
+Matrix6d pose_prior(const Matrix6d& lidar_covariance);
+
+/// What the matches of an alignment say is farther from a predicted pose than both may err by; of
+/// that one `covariance` is of [rho, phi], lidar axes.
+bool is_beyond_belief(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& covariance,
+                      const RegistrationResult& alignment);
+
 /// A sensor that is fused: the sliding graph, with the sweep that is under way.
 class FusedMotion {
  public:
@@ -55,7 +67,9 @@ class FusedMotion {
   void forget_prediction() { pending_.reset(); }
   /// What the next alignment weighs against its matches: the information of this covariance of
   /// T_map_lidar, in units of their Hessian, scaled as the last alignment was.
-  Matrix6d pose_prior(const Matrix6d& lidar_covariance) const;
+  Matrix6d pose_prior(const Matrix6d& lidar_covariance) const {
+    return adit::pose_prior(lidar_covariance, inflation_);
+  }
 
   /// Fuses the sweep under way: by its alignment, or by inertia alone where that is null; and by
   /// the ways that were measured since the last sweep.

@@ -39,11 +39,6 @@ constexpr Nanoseconds kGapTells = std::chrono::seconds(2);
 constexpr Nanoseconds kHeld = milliseconds(20);
 // The sign of an accelerometer that started at rest is confirmed after this way.
 constexpr double kFarFromRest = 2.0;  // m
-// What a prediction must be better than to be aligned from without a search, where matches hold
-// it: elsewhere a search finds rings of the ground where they were, and nothing else.
-constexpr double kTrustedPosition = 0.25;  // m
-constexpr double kTrustedRotation = 0.05;  // rad
-
 /// Directions, map axes, in which no match held the position.
 std::vector<Eigen::Vector3d> unheld_directions(const RegistrationResult& alignment) {
   std::vector<Eigen::Vector3d> directions;
@@ -201,6 +196,8 @@ std::optional<InertialPrediction> InertialTracker::predict(Fused& fused, Nanosec
   const Matrix6d of_lidar = lidar_covariance(predicted.covariance, T_body_lidar_);
   result.lidar.sigma = pose_sigma(of_lidar);
   result.lidar.information = fused.motion.pose_prior(of_lidar);
+  // Where matches hold it: elsewhere a search finds rings of the ground where they were, and
+  // nothing else.
   const Vector6d held = pose_sigma(without(of_lidar, fused.unheld, result.lidar.T_map_lidar));
   result.lidar.trusted =
       held.head<3>().maxCoeff() < kTrustedPosition && held.tail<3>().maxCoeff() < kTrustedRotation;
@@ -228,6 +225,7 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
     }
   } else if (collected() != nullptr) {
     if (alignment != nullptr) {
+      compare_velocities(T_map_lidar.stamp, *alignment);
       collect(T_map_lidar, unheld_directions(*alignment));
     } else {
       collected()->note_unaligned(T_map_lidar.stamp);

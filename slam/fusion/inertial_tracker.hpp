@@ -27,6 +27,17 @@ struct InertialPrediction {
   std::optional<SweepMotion> motion;  ///< none for a sweep without duration
 };
 
+// What a prediction must be better than to be aligned from without a search.
+inline constexpr double kTrustedPosition = 0.25;  ///< m
+inline constexpr double kTrustedRotation = 0.05;  ///< rad
+
+/// How the lidar moved from one time to another, by measured velocities and the gyroscope.
+struct MeasuredMotion {
+  Eigen::Isometry3d T_begin_end = Eigen::Isometry3d::Identity();
+  Matrix6d covariance =
+      Matrix6d::Identity();  ///< of that, right perturbation [rho, phi], m and rad
+};
+
 /// Starts the inertial sensor, predicts sweeps with it, fuses it with their alignments in the
 /// sliding graph, and checks that it does what it should (docs/theory/inertial.md, section 6).
 class InertialTracker {
@@ -69,6 +80,11 @@ class InertialTracker {
   std::optional<SweepMotion> turning_motion(Nanoseconds stamp, double duration,
                                             const Eigen::Vector3d& velocity) const;
 
+  /// Before the first start the velocities that are measured tell how the lidar moved. None once
+  /// started, without readings or velocities, where these leave the place uncertain by more than
+  /// kTrustedPosition, or once alignments have contradicted them.
+  std::optional<MeasuredMotion> measured_motion(Nanoseconds begin, Nanoseconds end) const;
+
   /// The pose of a sweep that was aligned, or bridged by a prediction where `alignment` is null;
   /// `steady` is what constant velocity predicted, `deskewed` what the sweep was de-skewed with, if
   /// it was. Where the report has a nav, that is the outcome.
@@ -91,7 +107,8 @@ class InertialTracker {
   struct Absent {};
   struct Starting {
     StartCollection collected{};
-    bool gyro_agrees = true;  ///< with alignments, as far as was seen
+    bool gyro_agrees = true;       ///< with alignments, as far as was seen
+    bool velocities_agree = true;  ///< likewise
   };
   struct Fused {
     FusedMotion motion;
@@ -138,6 +155,7 @@ class InertialTracker {
   /// What sensors of velocities measured since the last sweep.
   std::vector<MeasuredWay> ways_until(Nanoseconds stamp, const NavState& from) const;
   void collect(const StampedPose& T_map_lidar, std::vector<Eigen::Vector3d> unheld);
+  void compare_velocities(Nanoseconds stamp, const RegistrationResult& alignment);
   void start_if_possible();
   void start(const SensorStart& start);
   void watch(const StampedPose& alignment, const SweepMotion* deskewed);

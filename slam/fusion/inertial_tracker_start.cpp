@@ -18,6 +18,10 @@ constexpr double kTurnDisagreement = 0.1;  // rad
 constexpr size_t kFewestQuiet = 5;         // readings between two sweeps
 constexpr double kFastestTurn = 12.0;      // rad/s; readings beyond are outliers as well
 
+double square(double value) {
+  return value * value;
+}
+
 }  // namespace
 
 std::optional<Eigen::Matrix3d> InertialTracker::level_lidar(Nanoseconds begin,
@@ -66,6 +70,53 @@ std::optional<Eigen::Matrix3d> InertialTracker::turn(Nanoseconds begin, Nanoseco
   const auto motion = turning_motion(begin, seconds(end - begin), Eigen::Vector3d::Zero());
   return motion ? std::optional<Eigen::Matrix3d>(motion->T_start_lidar.back().linear())
                 : std::nullopt;
+}
+
+std::optional<MeasuredMotion> InertialTracker::measured_motion(Nanoseconds begin,
+                                                               Nanoseconds end) const {
+  const auto turned = turn(begin, end);
+  if (!turned || !std::get<Starting>(state_).velocities_agree) {
+    return std::nullopt;
+  }
+  NavState from;
+  from.stamp = begin;
+  const std::vector<MeasuredWay> ways = ways_until(end, from);
+  if (ways.empty()) {
+    return std::nullopt;
+  }
+  const MeasuredWay& way =
+      ways.back();  // by Doppler speeds, where there are any: they have no scale
+  const Eigen::Matrix3d R_body_lidar = T_body_lidar_.linear();
+  Eigen::Isometry3d T_body = Eigen::Isometry3d::Identity();
+  T_body.linear() = R_body_lidar * *turned * R_body_lidar.transpose();
+  T_body.translation() = way.way + way.p_body_sensor - T_body.linear() * way.p_body_sensor;
+  Eigen::Matrix3d errors = way.covariance;
+  if (way.source == VelocitySource::sensor) {
+    errors += square(velocity_.scale_sigma) * way.way * way.way.transpose() +
+              square(velocity_.turn_sigma) * way.by_turn * way.by_turn.transpose();
+  }
+  MeasuredMotion motion{.T_begin_end = T_body_lidar_.inverse() * T_body * T_body_lidar_};
+  const Eigen::Matrix3d R_end_body = (R_body_lidar * *turned).transpose();
+  motion.covariance.topLeftCorner<3, 3>() = R_end_body * errors * R_end_body.transpose();
+  motion.covariance.bottomRightCorner<3, 3>() =
+      Prediction{}.sigma.tail<3>().cwiseAbs2().asDiagonal();
+  if (motion.covariance.diagonal().head<3>().maxCoeff() > square(kTrustedPosition)) {
+    return std::nullopt;
+  }
+  return motion;
+}
+
+/// What measures another body's velocity must not lead this one's first sweeps.
+void InertialTracker::compare_velocities(Nanoseconds stamp, const RegistrationResult& alignment) {
+  auto* starting = std::get_if<Starting>(&state_);
+  if (starting == nullptr || starting->collected.poses().empty()) {
+    return;
+  }
+  const StampedPose& before = starting->collected.poses().back();
+  if (const auto measured = measured_motion(before.stamp, stamp)) {
+    const Eigen::Isometry3d T_map_lidar = before.pose * T_body_lidar_ * measured->T_begin_end;
+    starting->velocities_agree = !is_beyond_belief(T_map_lidar, measured->covariance, alignment);
+  }
 }
 
 void InertialTracker::collect(const StampedPose& T_map_lidar, std::vector<Eigen::Vector3d> unheld) {

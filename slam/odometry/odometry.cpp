@@ -201,6 +201,16 @@ Expectation Odometry::Impl::expect(const Sweep& sweep) {
   if (const auto turn = last ? inertial.turn(last->stamp, sweep.stamp) : std::nullopt) {
     expected.prediction.T_map_lidar.linear() = last->pose.linear() * *turn;
   }
+  if (const auto measured =
+          last ? inertial.measured_motion(last->stamp, sweep.stamp) : std::nullopt) {
+    expected.prediction = {.T_map_lidar = last->pose * measured->T_begin_end,
+                           .trusted = true,
+                           .moving = true,
+                           .information = pose_prior(measured->covariance)};
+    expected.motion = inertial.turning_motion(
+        sweep.stamp, duration,
+        measured->T_begin_end.translation() / seconds(sweep.stamp - last->stamp));
+  }
   const auto start = std::chrono::steady_clock::now();
   if (const auto predicted = inertial.predict(sweep.stamp, duration)) {
     expected.inertial = true;

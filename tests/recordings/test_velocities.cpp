@@ -13,6 +13,7 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/slam/core/lie.hpp"
 #include "adit/tests/recordings/event_support.hpp"
 #include "adit/tests/recordings/message_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
@@ -21,6 +22,7 @@
 #include "adit/tools/recordings/one_sensor.hpp"
 #include "adit/tools/recordings/ros_events.hpp"
 #include "adit/tools/recordings/topic_survey.hpp"
+#include "adit/tools/recordings/velocities_of_poses.hpp"
 
 namespace adit {
 namespace {
@@ -233,6 +235,52 @@ TEST(Velocities, OfTwoSensorsOnOneTopicThoseOfOneFrameAreUsed) {
   const test::GivenRecording recording({{"/wheels", "", TopicKind::velocities, 6}}, events);
   const OneSensorRecording one(recording, {{0, "right"}});
   EXPECT_EQ(test::read_all(one).events.size(), 3U);
+}
+
+/// On a circle at 2 m/s, turning by 1 rad/s, seen from another frame: x ahead.
+ReferencePose on_circle(Nanoseconds stamp) {
+  const double angle = seconds(stamp);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() = 2.0 * Eigen::Vector3d(std::sin(angle), 1.0 - std::cos(angle), 0.0);
+  T.linear() = so3_exp({0.0, 0.0, angle});
+  const Eigen::Isometry3d T_map_start(Eigen::Translation3d(5.0, 6.0, 7.0) *
+                                      Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY()));
+  return {.stamp = stamp, .parent = "vo", .child = "camera", .T_parent_child = T_map_start * T};
+}
+
+TEST(Velocities, PosesOfAnotherOdometryGiveVelocitiesInTheirOwnAxes) {
+  const ReferencePose from = on_circle(std::chrono::milliseconds(700));
+  const auto velocity = velocity_between(from, on_circle(std::chrono::milliseconds(750)));
+  ASSERT_TRUE(velocity);
+  EXPECT_EQ(velocity->stamp, std::chrono::milliseconds(725));
+  EXPECT_EQ(velocity->frame, "camera");
+  EXPECT_FALSE(velocity->covariance);
+  EXPECT_LT((velocity->linear - Eigen::Vector3d(2.0, 0.0, 0.0)).norm(), 1e-3);
+  EXPECT_FALSE(velocity_between(from, from)) << "the same moment";
+  EXPECT_FALSE(velocity_between(from, on_circle(std::chrono::milliseconds(600)))) << "backwards";
+  EXPECT_FALSE(velocity_between(from, on_circle(std::chrono::milliseconds(1800)))) << "a gap";
+}
+
+TEST(Velocities, OfATopicOfPosesTheOtherEventsStayAsTheyAre) {
+  std::vector<Event> events;
+  for (int i = 0; i < 5; ++i) {
+    const Nanoseconds at = std::chrono::milliseconds(50 * i);
+    events.push_back({.topic = 0, .received = at, .value = on_circle(at)});
+    events.push_back({.topic = 1, .received = at, .value = on_circle(at)});
+  }
+  const test::GivenRecording recording(
+      {{"/vo", "nav_msgs/Odometry", TopicKind::poses, 5}, {"/truth", "", TopicKind::poses, 5}},
+      events);
+  const auto stream = with_velocities_of_poses(recording.events({}), 0);
+  std::size_t velocities = 0;
+  std::size_t poses = 0;
+  while (const auto event = stream->next()) {
+    velocities += std::holds_alternative<BodyVelocity>(event->value) ? 1U : 0U;
+    poses += std::holds_alternative<ReferencePose>(event->value) ? 1U : 0U;
+    EXPECT_EQ(std::holds_alternative<BodyVelocity>(event->value), event->topic == 0);
+  }
+  EXPECT_EQ(velocities, 4U) << "one from each pose to the next";
+  EXPECT_EQ(poses, 5U);
 }
 
 }  // namespace

@@ -55,6 +55,9 @@ TEST_F(SceneFileTest, TheExampleSaysTheDefaults) {
   EXPECT_EQ(options.wheels, expected.wheels);
   EXPECT_EQ(options.wheel_rate, expected.wheel_rate);
   EXPECT_TRUE(options.T_imu_wheels.isApprox(wheel_mount()));
+  EXPECT_EQ(options.visual_odometry, expected.visual_odometry);
+  EXPECT_EQ(options.visual_odometry_rate, expected.visual_odometry_rate);
+  EXPECT_TRUE(options.T_imu_camera.isApprox(camera_mount()));
   EXPECT_TRUE(options.faults.empty());
   EXPECT_TRUE(options.waypoints.empty());
   ASSERT_EQ(options.lidars.size(), 1U);

@@ -105,7 +105,7 @@ TEST_F(ConfigFile, ListsAreReadPrintedAndChecked) {
   ASSERT_EQ(config.recording.T_lidar_further.size(), 1U);
   EXPECT_EQ(config.recording.T_lidar_further[0][1], 2.0);
   EXPECT_EQ(to_toml(load(to_toml(config))), to_toml(config));
-  EXPECT_EQ(load_config({.overrides = {R"(recording.further_sweep_topics=["/rear"])"}})
+  EXPECT_EQ(load_config({.file = {}, .overrides = {R"(recording.further_sweep_topics=["/rear"])"}})
                 .recording.further_sweep_topics,
             std::vector<std::string>{"/rear"});
   EXPECT_THROW(load("[recording]\nfurther_sweep_topics = \"/rear\"\n"), InputError);

@@ -91,7 +91,8 @@ TEST(InspectVelocities, TheTwistOfOdometryIsOffered) {
   for (int i = 0; i < 60; ++i) {
     const Nanoseconds stamp = MovingRig::kBegin + std::chrono::milliseconds(100 * i);
     events.push_back({"/odom", stamp + std::chrono::milliseconds(1),
-                      ReferencePose{stamp, "odom", "base", Eigen::Isometry3d::Identity()}});
+                      ReferencePose{stamp, "odom", "base",
+                                    Eigen::Isometry3d(Eigen::Translation3d(0.1 * i, 0.0, 0.0))}});
   }
   std::ranges::stable_sort(events, {}, &Recorded::received);
   const fs::path file = test::write(folder, events);
@@ -104,6 +105,12 @@ TEST(InspectVelocities, TheTwistOfOdometryIsOffered) {
   const ConfigSource used{
       .file = {}, .overrides = {"recording.velocity_topic=\"/odom\""}, .preset = {}};
   EXPECT_EQ(kinds(file, used), (Kinds{"velocities_zero /odom", "no_covariance /odom"}));
+  ConfigSource by_poses = used;
+  by_poses.overrides.emplace_back("recording.velocity_of_poses=true");
+  const std::string of_poses = report_of(file, by_poses);
+  EXPECT_NE(of_poses.find("/odom: velocities of the frame 'base', 1.00 m/s on average (at most "),
+            std::string::npos)
+      << of_poses;
 }
 
 TEST(InspectVelocities, FaultsAreFoundAndDoNoHarmWhereTheyAreNotUsed) {

@@ -94,7 +94,7 @@ std::string summary_text(const SimulationOptions& options, const SimulationSumma
       "points    {:.0f} a sweep, {:.1f} % of the pulses\n"
       "imu       {} samples ({}, {} Hz)\n"
       "gnss      {} fixes\n"
-      "{}"
+      "{}{}"
       "time      {}, {:.2f} x real time\n",
       summary.sweeps, sensors_of(options), options.scene, summary.triangles, summary.path,
       summary.fastest_turn,
@@ -104,6 +104,9 @@ std::string summary_text(const SimulationOptions& options, const SimulationSumma
       options.wheels ? fmt::format("wheels    {} velocities ({} Hz)\n", summary.wheel_velocities,
                                    options.wheel_rate)
                      : "",
+      options.visual_odometry ? fmt::format("odometry  {} poses ({} Hz)\n", summary.odometry_poses,
+                                            options.visual_odometry_rate)
+                              : "",
       format_duration(seconds), options.duration / seconds);
 }
 
@@ -248,6 +251,8 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
           .show_default();
   command.flag("--wheels", simulation.wheels,
                "Velocities of a vehicle's wheels on /wheels, for drive, stop-and-go, moving-start");
+  command.flag("--visual-odometry", simulation.visual_odometry,
+               "Poses of a camera's odometry, whose scale drifts, on /visual_odometry");
   command.flag("--doppler", simulation.lidars.front().doppler,
                "The range sensor measures the radial speed of each return");
   command.option("--fault", simulation.faults, "Something that is wrong; may be given again")

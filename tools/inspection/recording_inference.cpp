@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
 #include <fmt/core.h>
 
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/units.hpp"
+#include "adit/tools/recordings/ros_messages.hpp"
 #include "adit/tools/setup/config_file.hpp"
 #include "adit/tools/support/utf8.hpp"
 
@@ -150,7 +152,9 @@ void correct_imu(const Inspection& inspection, std::size_t topic, Config& config
     if (check.pair.imu_topic != topic || !check.comparison) {
       continue;
     }
-    if (found(inspection, "sensor_offset", name)) {
+    // A rate that is 57 times too large meets limits of the comparison: its offset is not one to
+    // set.
+    if (found(inspection, "sensor_offset", name) && !found(inspection, "gyroscope_unit", name)) {
       recording.imu_time_offset -= check.comparison->offset;
     }
     if (const auto mounting = mounting_by_motion(inspection, check)) {
@@ -186,7 +190,10 @@ std::vector<Inference> infer(const Inspection& inspection) {
     } else if (s.velocities.speed.count > 0) {
       all.push_back({topic.name, velocities_text(topic, s, inspection.sensors.velocity == i)});
     } else if (has_velocities(topic) && s.events > 0) {
-      all.push_back({topic.name, "its twist is a velocity; " + use_text(topic.name)});
+      const bool has_twist = topic.type == std::string_view(ros::Odometry::kType);
+      all.push_back({topic.name, (has_twist ? "its twist is a velocity; "
+                                            : "from pose to pose it is a velocity; ") +
+                                     use_text(topic.name)});
     }
   }
   for (const MotionCheck& check : inspection.motion) {

@@ -6,11 +6,14 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "adit/tools/clouds/cloud_origin.hpp"
+#include "adit/tools/recordings/ros_messages.hpp"
+#include "adit/tools/recordings/velocities_of_poses.hpp"
 #include "adit/tools/topics/topic_statistics.hpp"
 
 namespace adit {
@@ -80,7 +83,17 @@ class ConfiguredRecording final : public Recording {
     if (config_.floats_per_point != 0) {
       told.floats_per_point = static_cast<uint32_t>(config_.floats_per_point);
     }
-    return std::make_unique<CorrectedStream>(recording_->events(told), config_);
+    const bool of_poses =
+        told.velocities_of &&
+        (config_.velocity_of_poses ||
+         topics()[*told.velocities_of].type != std::string_view(ros::Odometry::kType)) &&
+        topics()[*told.velocities_of].kind == TopicKind::poses;
+    const std::size_t poses = told.velocities_of.value_or(0);
+    if (of_poses) {
+      told.velocities_of.reset();
+    }
+    auto events = std::make_unique<CorrectedStream>(recording_->events(told), config_);
+    return of_poses ? with_velocities_of_poses(std::move(events), poses) : std::move(events);
   }
 
  private:

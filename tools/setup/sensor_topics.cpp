@@ -217,7 +217,8 @@ std::vector<PassedOver> unusable_sweeps(const Recording& recording, std::size_t 
 
 bool has_velocities(const Topic& topic) {
   return topic.kind == TopicKind::velocities ||
-         (topic.kind == TopicKind::poses && topic.type == ros::Odometry::kType);
+         (topic.kind == TopicKind::poses &&
+          (topic.type == ros::Odometry::kType || topic.type == ros::PoseStamped::kType));
 }
 
 RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,

@@ -44,7 +44,7 @@ struct RecordedSensors {
 RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
                                const Config& config);
 
-/// Whether velocities can be read of a topic: it has messages of them, or odometry with its twist.
+/// Whether velocities can be read of a topic: it has messages of them, or poses of one frame.
 bool has_velocities(const Topic& topic);
 
 /// "/camera/imu is not used: it has no messages".

@@ -22,7 +22,8 @@ enum class RandomStream : uint64_t {
   fault,
   change,
   wheels,
-  doppler
+  doppler,
+  odometry
 };
 
 /// Random numbers that are functions of (seed, stream, index): whichever thread asks for number

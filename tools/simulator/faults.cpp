@@ -19,7 +19,7 @@
 namespace adit {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Fault>, 25> kFaults{
+constexpr std::array<std::pair<std::string_view, Fault>, 27> kFaults{
     {{"clock-offset", Fault::clock_offset},
      {"clock-drift", Fault::clock_drift},
      {"gap", Fault::gap},
@@ -36,6 +36,8 @@ constexpr std::array<std::pair<std::string_view, Fault>, 25> kFaults{
      {"spikes", Fault::spikes},
      {"many-spikes", Fault::many_spikes},
      {"gaps", Fault::gaps},
+     {"odometry-leap", Fault::odometry_leap},
+     {"odometry-lost", Fault::odometry_lost},
      {"wheel-scale", Fault::wheel_scale},
      {"wheel-slip", Fault::wheel_slip},
      {"wheel-stuck", Fault::wheel_stuck},
@@ -182,6 +184,12 @@ void require_seen(const std::vector<std::string>& names, double duration,
                        " is one of the wheels, and there are none. --wheels, or use in "
                        "[wheels] of a scene file, adds them.");
     }
+    if (!senses.visual_odometry &&
+        (fault == Fault::odometry_leap || fault == Fault::odometry_lost)) {
+      throw UsageError(name +
+                       " is one of the visual odometry, and there is none. --visual-odometry, or "
+                       "use in [visual_odometry] of a scene file, adds it.");
+    }
     if (fault == Fault::shock && duration <= kFirstBlow) {
       throw UsageError("shock: the first blow comes after 3 s. Choose a longer duration.");
     }
@@ -302,6 +310,16 @@ void FaultMaker::distort(BodyVelocity& velocity) const {
   }
   if (has(Fault::wheel_negative_covariance)) {
     velocity.covariance = -Eigen::Matrix3d::Identity();
+  }
+}
+
+void FaultMaker::distort(ReferencePose& pose) const {
+  const double seconds = 1e-9 * static_cast<double>(pose.stamp.count());
+  if (has(Fault::odometry_leap) && seconds >= 0.5 * duration_) {
+    pose.T_parent_child.translation() += Eigen::Vector3d(2.0, 2.0, 1.0);
+  }
+  if (has(Fault::odometry_lost) && seconds >= 0.4 * duration_ && seconds < 0.4 * duration_ + 5.0) {
+    pose.T_parent_child = Eigen::Isometry3d::Identity();
   }
 }
 

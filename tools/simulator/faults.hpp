@@ -33,6 +33,8 @@ enum class Fault {
   spikes,          ///< one in 100
   many_spikes,     ///< one in 20
   gaps,            ///< the IMU is silent for 60 to 150 ms, once in each second
+  odometry_leap,   ///< the visual odometry leaps by 3 m at half time: it has recognised a place
+  odometry_lost,   ///< its pose stands still for 5 s, from two fifths of the time on
   wheel_scale,     ///< the wheels read 5 % too much: other tyres than the driver was told of
   wheel_slip,      ///< they spin: 10 % too much for 2 s, once in every 10 s
   wheel_stuck,     ///< the encoder is dead: always zero
@@ -48,6 +50,7 @@ enum class Fault {
 struct SimulatedSenses {
   bool imu = true;
   bool wheels = false;
+  bool visual_odometry = false;
 };
 
 std::vector<std::string> fault_names();
@@ -75,6 +78,9 @@ class FaultMaker {
 
   /// `velocity` with its stamp counted from the start of the recording.
   void distort(BodyVelocity& velocity) const;
+
+  /// `pose` with its stamp counted from the start of the recording.
+  void distort(ReferencePose& pose) const;
 
   /// Whether an IMU message that was recorded at `time` from the start is missing on its own.
   bool is_silent(Nanoseconds time) const;

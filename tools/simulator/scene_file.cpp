@@ -247,6 +247,21 @@ void read_gnss(const Reader& reader, const toml::table& table, SimulationOptions
                        [&](const auto& node) { options.p_imu_antenna = reader.vector(node); }}});
 }
 
+void read_visual_odometry(const Reader& reader, const toml::table& table,
+                          SimulationOptions& options) {
+  MountKeys mount{.position = options.T_imu_camera.translation()};
+  reader.read(
+      table,
+      {{"use", [&](const auto& node) { options.visual_odometry = reader.truth(node); }},
+       {"rate",
+        [&](const auto& node) {
+          require_wheel_rate(options.visual_odometry_rate = reader.whole_number(node));
+        }},
+       {"position", [&](const auto& node) { mount.position = reader.vector(node); }},
+       {"yaw_pitch_roll", [&](const auto& node) { mount.yaw_pitch_roll = reader.vector(node); }}});
+  options.T_imu_camera = mount.pose();
+}
+
 void read_wheels(const Reader& reader, const toml::table& table, SimulationOptions& options) {
   MountKeys mount{.position = options.T_imu_wheels.translation()};
   reader.read(table, {{"use", [&](const auto& node) { options.wheels = reader.truth(node); }},
@@ -301,10 +316,14 @@ SimulationOptions read_scene_file(const std::filesystem::path& file) {
        {"lidar", [&](const auto& node) { read_lidars(reader, node, options); }},
        {"imu", [&](const auto& node) { read_imu(reader, reader.table(node), options); }},
        {"gnss", [&](const auto& node) { read_gnss(reader, reader.table(node), options); }},
+       {"visual_odometry",
+        [&](const auto& node) { read_visual_odometry(reader, reader.table(node), options); }},
        {"wheels", [&](const auto& node) { read_wheels(reader, reader.table(node), options); }}});
   try {
     require_seen(options.faults, options.duration,
-                 {.imu = options.imu != "none", .wheels = options.wheels});
+                 {.imu = options.imu != "none",
+                  .wheels = options.wheels,
+                  .visual_odometry = options.visual_odometry});
   } catch (const UsageError& error) {
     reader.refuse(*table.get("faults"), error);
   }
@@ -361,6 +380,12 @@ position = [-0.2, 0.05, 0.35]  # m, of the antenna in the IMU's frame
 use = false  # velocities of a vehicle on /wheels
 rate = 50  # Hz
 position = [0.0, 0.2, -0.5]  # m, in the IMU's frame; they roll along x
+yaw_pitch_roll = [0.0, 0.0, 0.0]  # degrees
+
+[visual_odometry]
+use = false  # poses of a camera's odometry, whose scale drifts, on /visual_odometry
+rate = 20  # Hz
+position = [0.15, 0.02, -0.03]  # m, in the IMU's frame
 yaw_pitch_roll = [0.0, 0.0, 0.0]  # degrees
 )";
 }

@@ -48,7 +48,9 @@ void check(const SimulationOptions& options) {
   check_option("--gnss-rate", [&] { require_gnss_rate(options.gnss_rate); });
   check_option("--fault", [&] {
     require_seen(options.faults, options.duration,
-                 {.imu = options.imu != "none", .wheels = options.wheels});
+                 {.imu = options.imu != "none",
+                  .wheels = options.wheels,
+                  .visual_odometry = options.visual_odometry});
   });
   if (options.wheels) {
     check_option("--wheels", [&] {
@@ -159,6 +161,10 @@ void write_mounts(const SimulationOptions& options, SimulationRecorder& recorder
     recorder.write("/tf_static", Nanoseconds(0),
                    StaticTransform{kImuFrame, kWheelFrame, options.T_imu_wheels}, kImuFrame);
   }
+  if (options.visual_odometry) {
+    recorder.write("/tf_static", Nanoseconds(0),
+                   StaticTransform{kImuFrame, kCameraFrame, options.T_imu_camera}, kImuFrame);
+  }
 }
 
 /// The sensors beside the range sensors.
@@ -166,20 +172,25 @@ struct Tracks {
   ImuTrack imu;
   std::optional<GnssTrack> gnss{};
   std::optional<WheelTrack> wheels{};
+  std::optional<PoseTrack> odometry{};
 
   /// What they measure before `end`, in the order of time.
   void write_until(Nanoseconds end, SimulationRecorder& recorder, SimulationSummary& summary) {
-    const auto is_next = [&](const auto& track, Nanoseconds before) {
-      return track && track->time() < before;
+    const auto time_of = [](const auto& track) {
+      return track ? track->time() : Nanoseconds::max();
     };
-    while (imu.time() < end || is_next(gnss, end) || is_next(wheels, end)) {
-      const Nanoseconds first = std::min(imu.time(), gnss ? gnss->time() : Nanoseconds::max());
-      if (is_next(wheels, first)) {
-        wheels->write_next(recorder, summary);
-      } else if (is_next(gnss, imu.time())) {
-        gnss->write_next(recorder, summary);
-      } else {
+    const auto first = [&] {
+      return std::min({imu.time(), time_of(gnss), time_of(wheels), time_of(odometry)});
+    };
+    for (Nanoseconds next = first(); next < end; next = first()) {
+      if (next == imu.time()) {
         imu.write_next(recorder, summary);
+      } else if (next == time_of(gnss)) {
+        gnss->write_next(recorder, summary);
+      } else if (next == time_of(wheels)) {
+        wheels->write_next(recorder, summary);
+      } else {
+        odometry->write_next(recorder, summary);
       }
     }
   }
@@ -256,6 +267,10 @@ SimulationSummary simulate(
   }
   if (options.wheels) {
     tracks.wheels.emplace(options, files, trajectory, fault_maker);
+  }
+  if (options.visual_odometry) {
+    check_option("--visual-odometry", [&] { require_wheel_rate(options.visual_odometry_rate); });
+    tracks.odometry.emplace(options, trajectory, fault_maker);
   }
   if (!scene.moving.empty()) {
     labels.emplace(files.labels);

@@ -17,6 +17,7 @@
 #include "adit/tools/containers/compression.hpp"
 #include "adit/tools/simulator/crossings.hpp"
 #include "adit/tools/simulator/gnss_model.hpp"
+#include "adit/tools/simulator/odometry_model.hpp"
 #include "adit/tools/simulator/range_simulator.hpp"
 #include "adit/tools/simulator/scene_change.hpp"
 #include "adit/tools/simulator/wheel_model.hpp"
@@ -56,6 +57,9 @@ struct SimulationOptions {
   bool wheels = false;  ///< of a vehicle, on /wheels
   int wheel_rate = 50;  ///< Hz
   Eigen::Isometry3d T_imu_wheels = wheel_mount();
+  bool visual_odometry = false;   ///< of one camera, on /visual_odometry
+  int visual_odometry_rate = 20;  ///< Hz
+  Eigen::Isometry3d T_imu_camera = camera_mount();
   std::vector<std::string> faults{};
   double duration = 60.0;       ///< s
   std::optional<double> speed;  ///< m/s, instead of the scene's
@@ -102,6 +106,7 @@ struct SimulationSummary {
   std::size_t imu_samples = 0;
   std::size_t gnss_fixes = 0;
   std::size_t wheel_velocities = 0;
+  std::size_t odometry_poses = 0;     ///< of the visual odometry
   std::size_t changes = 0;            ///< objects removed or added, a moved one twice
   double path = 0.0;                  ///< m
   double fastest_turn = 0.0;          ///< rad/s

@@ -13,7 +13,14 @@ namespace {
 
 /// What a message of each topic is told apart by, for faults. Further range sensors count on from
 /// the last one, from 1.
-enum TopicNumber : uint64_t { kPoints, kImu, kGnss, kWheels, kFurtherPoints = kWheels };
+enum TopicNumber : uint64_t {
+  kPoints,
+  kImu,
+  kGnss,
+  kWheels,
+  kFurtherPoints = kWheels,
+  kPoses = 13
+};
 
 /// Each range sensor has noise of its own.
 uint64_t seed_of(uint64_t seed, std::size_t index) {
@@ -128,6 +135,25 @@ void WheelTrack::write_next(SimulationRecorder& recorder, SimulationSummary& sum
     ++summary.wheel_velocities;
   }
   next_ = wheels_.next();
+}
+
+PoseTrack::PoseTrack(const SimulationOptions& options, const SplineTrajectory& trajectory,
+                     const FaultMaker& faults)
+    : odometry_(options.visual_odometry_rate, trajectory, options.T_imu_camera,
+                options.seed_of_noise()),
+      epoch_(options.epoch()),
+      faults_(&faults),
+      next_(odometry_.next()) {}
+
+void PoseTrack::write_next(SimulationRecorder& recorder, SimulationSummary& summary) {
+  ReferencePose pose = next_;
+  faults_->distort(pose);
+  pose.stamp += epoch_;
+  for (int i = faults_->copies(kPoses, index_++, time()); i > 0; --i) {
+    recorder.write("/visual_odometry", time(), pose, kCameraFrame);
+    ++summary.odometry_poses;
+  }
+  next_ = odometry_.next();
 }
 
 LidarTrack::LidarTrack(const SimulationOptions& options, std::size_t index, const Scene& scene,

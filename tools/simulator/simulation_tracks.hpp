@@ -19,6 +19,7 @@
 #include "adit/tools/simulator/faults.hpp"
 #include "adit/tools/simulator/gnss_model.hpp"
 #include "adit/tools/simulator/imu_model.hpp"
+#include "adit/tools/simulator/odometry_model.hpp"
 #include "adit/tools/simulator/range_simulator.hpp"
 #include "adit/tools/simulator/simulation.hpp"
 #include "adit/tools/simulator/truth_writer.hpp"
@@ -29,6 +30,7 @@ namespace adit {
 inline constexpr const char* kImuFrame = "imu";
 inline constexpr const char* kAntennaFrame = "antenna";
 inline constexpr const char* kWheelFrame = "wheels";
+inline constexpr const char* kCameraFrame = "camera";
 
 /// Puts messages into the recording, channel by channel as they come up. Times are counted from the
 /// start. Throws OutputError.
@@ -107,6 +109,23 @@ class WheelTrack {
   const FaultMaker* faults_;
   WheelTruthWriter truth_;
   SimulatedWheels next_;
+  uint64_t index_ = 0;
+};
+
+/// The poses of a visual odometry. What it is given must outlive it.
+class PoseTrack {
+ public:
+  PoseTrack(const SimulationOptions& options, const SplineTrajectory& trajectory,
+            const FaultMaker& faults);
+
+  Nanoseconds time() const { return next_.stamp; }  ///< time of what is written next
+  void write_next(SimulationRecorder& recorder, SimulationSummary& summary);
+
+ private:
+  OdometrySimulator odometry_;
+  Nanoseconds epoch_;
+  const FaultMaker* faults_;
+  ReferencePose next_;
   uint64_t index_ = 0;
 };
 
