@@ -203,17 +203,19 @@ Expectation Odometry::Impl::expect(const Sweep& sweep) {
   }
   if (const auto measured =
           last ? inertial.measured_motion(last->stamp, sweep.stamp) : std::nullopt) {
+    expected.measured = true;
     expected.prediction = {.T_map_lidar = last->pose * measured->T_begin_end,
                            .trusted = true,
                            .moving = true,
-                           .information = pose_prior(measured->covariance)};
+                           .information = pose_prior(measured->covariance),
+                           .sigma = measured->covariance.diagonal().cwiseSqrt()};
     expected.motion = inertial.turning_motion(
         sweep.stamp, duration,
         measured->T_begin_end.translation() / seconds(sweep.stamp - last->stamp));
   }
   const auto start = std::chrono::steady_clock::now();
   if (const auto predicted = inertial.predict(sweep.stamp, duration)) {
-    expected.inertial = true;
+    expected.measured = true;
     expected.prediction = predicted->lidar;
     expected.motion = predicted->motion;
   }
@@ -238,11 +240,11 @@ std::optional<Silence> Odometry::Impl::silence_before(Nanoseconds stamp,
   const double unseen = motion.unseen(stamp);
   const bool has_track = !submap.empty() || track_ended;
   if (!has_track || !usual || unseen <= std::max(kLongestExtrapolation, kOutOfRhythm * *usual) ||
-      (expected.inertial && expected.prediction.trusted)) {
+      (expected.measured && expected.prediction.trusted)) {
     return std::nullopt;
   }
   Silence silence = motion.silence_until(stamp);
-  if (expected.inertial) {
+  if (expected.measured) {
     const Eigen::Vector3d way =
         expected.prediction.T_map_lidar.translation() - motion.last()->pose.translation();
     silence.T_map_lidar = expected.prediction.T_map_lidar;
@@ -325,7 +327,7 @@ OdometryState Odometry::Impl::decide(const Expectation& expected, SweepResult& r
       inertial.note_restart();
     }
     submap.push(points, pose.pose);
-    result.renewed = !begins && expected.inertial && expected.prediction.trusted;
+    result.renewed = !begins && expected.measured && expected.prediction.trusted;
     return begins           ? OdometryState::initializing
            : result.renewed ? OdometryState::coasting
                             : OdometryState::restarted;

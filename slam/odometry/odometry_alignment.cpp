@@ -139,7 +139,7 @@ void Odometry::Impl::search_again(const Expectation& expected, SweepResult& resu
   }
   // Inertia knows better than what fits best: rings on the ground fit best where they were.
   const bool failed = !is_usable(result.registration.status);
-  if (expected.inertial && !failed) {
+  if (expected.measured && !failed) {
     return;
   }
   Prediction untrusted = expected.prediction;
@@ -154,7 +154,7 @@ void Odometry::Impl::search_again(const Expectation& expected, SweepResult& resu
   wait(submission, result);
   align_on(result);
   const RegistrationResult found = aligner.read_result(result.cloud_points, submap);
-  const bool against = expected.inertial && !is_within(found, expected.prediction, kInertialSigmas);
+  const bool against = expected.measured && !is_within(found, expected.prediction, kInertialSigmas);
   const double needed = against ? kAgainstInertia : kAgainstPrediction;
   const bool clearly = found.inliers > needed * result.registration.inliers;
   // What falls short by its residual may match nearly as many points as the right place.
@@ -179,7 +179,7 @@ void Odometry::Impl::judge(const Expectation& expected, SweepResult& result) {
     rejection = usual_fit.rejection_after(*expected.silence, result.registration,
                                           motion.last()->pose.inverse() * found.pose);
   }
-  const bool weighed = prediction.trusted && (!result.searched || expected.inertial);
+  const bool weighed = prediction.trusted && (!result.searched || expected.measured);
   if (!rejection && !weighed && !expected.silence) {
     rejection = usual_fit.rejection(result.registration, prediction);
   }

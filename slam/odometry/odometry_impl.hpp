@@ -26,7 +26,7 @@ struct Expectation {
   Prediction prediction;
   Eigen::Isometry3d steady = Eigen::Isometry3d::Identity();  ///< T_map_lidar at constant velocity
   std::optional<SweepMotion> motion;                         ///< to de-skew with
-  bool inertial = false;                                     ///< the prediction is by inertia
+  bool measured = false;  ///< the prediction is by inertia or measured velocities, no extrapolation
   double inertial_ms = 0.0;             ///< host time of the inertial prediction
   std::optional<Silence> silence = {};  ///< no velocity and no trusted inertia leads here
 };
