@@ -13,7 +13,12 @@ namespace adit::engine {
 Context::Context(const ContextOptions& options) : device_(std::make_unique<Device>(options)) {}
 Context::Context(Context&&) noexcept = default;
 Context& Context::operator=(Context&&) noexcept = default;
-Context::~Context() = default;
+Context::~Context() {
+  if (device_ != nullptr && !device_->process.is_this()) {
+    // In a forked child the driver would wait for threads that are not there: leave it all alone.
+    static_cast<void>(device_.release());
+  }
+}
 
 const DeviceInfo& Context::device() const {
   return device_->info;
@@ -23,6 +28,7 @@ bool Context::software_fallback() const {
 }
 
 Buffer Context::make_buffer(uint64_t bytes, Memory kind, std::string_view name) {
+  device_->process.require();
   return Buffer(std::make_unique<Buffer::State>(*device_, bytes, kind, name));
 }
 

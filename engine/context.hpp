@@ -46,7 +46,8 @@ struct KernelStatistics {
 
 /// A device, its memory and its queue; the one object of the engine that is passed around. It
 /// outlives every buffer, kernel, recorder and submission made with it. Its functions may be called
-/// from any thread.
+/// from any thread. It does not survive fork(): in the child all work throws Error, also on a
+/// Context of its own once the parent has had one.
 class Context {
  public:
   /// Throws Error: no driver, no such device (listing what there is), a device below the baseline

@@ -133,6 +133,7 @@ Kernel::Kernel(Context& context, const Shader& shader,
                const std::vector<Specialization>& specializations)
     : state_(std::make_unique<State>()) {
   state_->device = &context.internal();
+  state_->device->process.require();
   state_->name = shader.name;
   state_->reflection = reflect(shader.spirv);
   check_bindings(*state_);

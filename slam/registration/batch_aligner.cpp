@@ -22,6 +22,9 @@ using Clock = std::chrono::steady_clock;
 
 // A pass over one source point on a device that is not yet measured: slower than any.
 constexpr double kSlowest = 5e-4;  // ms
+// Of a piece between two checkpoints: what waits for one waits a few times as long at most, and the
+// host's share of a piece stays small.
+constexpr double kPieceBudget = 50.0;  // ms
 // A chunk is small enough for so many passes in one piece, where it can be.
 constexpr double kPassesOfAPiece = 4.0;
 
@@ -97,12 +100,14 @@ bool can_run(const AlignmentPair& pair) {
 BatchAligner::BatchAligner(engine::Context& context, const AlignmentSettings& settings)
     : context_(&context), settings_(settings), kernels_(context, options_of(settings)) {}
 
-std::vector<RegistrationResult> BatchAligner::align(std::span<const AlignmentPair> pairs) const {
-  return begin(pairs).finish();
+std::vector<RegistrationResult> BatchAligner::align(std::span<const AlignmentPair> pairs,
+                                                    const Checkpoint& checkpoint) const {
+  return begin(pairs).finish(checkpoint);
 }
 
-std::vector<RegistrationResult> BatchAligner::evaluate(std::span<const AlignmentPair> pairs) const {
-  return start(pairs, false).finish();
+std::vector<RegistrationResult> BatchAligner::evaluate(std::span<const AlignmentPair> pairs,
+                                                       const Checkpoint& checkpoint) const {
+  return start(pairs, false).finish(checkpoint);
 }
 
 BatchAlignment BatchAligner::begin(std::span<const AlignmentPair> pairs) const {
@@ -241,10 +246,11 @@ void BatchAlignment::wait() {
   }
 }
 
-std::vector<RegistrationResult> BatchAlignment::finish() {
+std::vector<RegistrationResult> BatchAlignment::finish(const Checkpoint& checkpoint) {
   wait();
   while (!done()) {
-    submit(std::numeric_limits<double>::infinity());
+    pass(checkpoint);
+    submit(checkpoint ? kPieceBudget : std::numeric_limits<double>::infinity());
     wait();
   }
   return std::move(state_->results);

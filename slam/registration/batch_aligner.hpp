@@ -8,6 +8,7 @@
 
 #include "adit/engine/buffer.hpp"
 #include "adit/engine/kernels/registration.hpp"
+#include "adit/slam/core/checkpoint.hpp"
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/registration/alignment_clouds.hpp"
 #include "adit/slam/registration/registration.hpp"
@@ -65,8 +66,9 @@ class BatchAlignment {
   void submit(double budget);
   /// Waits for the piece that was submitted last.
   void wait();
-  /// Works off what is left in one piece. Results in the order of the pairs.
-  std::vector<RegistrationResult> finish();
+  /// Works off what is left, in one piece, or in pieces with a checkpoint before each. Results in
+  /// the order of the pairs.
+  std::vector<RegistrationResult> finish(const Checkpoint& checkpoint = {});
 
  private:
   friend class BatchAligner;
@@ -86,9 +88,11 @@ class BatchAligner {
   /// Results in the order of the pairs. A pair that cannot be aligned (no points, a guess that is
   /// not finite) has a status that says so. Throws std::logic_error for a target of another method
   /// or with other numbers of levels than the rest, engine::OutOfMemory; the next call works.
-  std::vector<RegistrationResult> align(std::span<const AlignmentPair> pairs) const;
+  std::vector<RegistrationResult> align(std::span<const AlignmentPair> pairs,
+                                        const Checkpoint& checkpoint = {}) const;
   /// The same, without a step: how well the guesses fit.
-  std::vector<RegistrationResult> evaluate(std::span<const AlignmentPair> pairs) const;
+  std::vector<RegistrationResult> evaluate(std::span<const AlignmentPair> pairs,
+                                           const Checkpoint& checkpoint = {}) const;
   /// The same as align(), to be worked off in pieces.
   BatchAlignment begin(std::span<const AlignmentPair> pairs) const;
 

@@ -176,7 +176,8 @@ struct Grouped {
 /// Aligns each pair from its poses.
 Grouped aligned(BatchAligner& aligner, AlignmentTarget AlignableCloud::*levels,
                 std::span<const CloudPair> pairs,
-                const std::vector<std::vector<Eigen::Isometry3d>>& poses) {
+                const std::vector<std::vector<Eigen::Isometry3d>>& poses,
+                const Checkpoint& checkpoint) {
   Grouped grouped;
   std::vector<AlignmentPair> starts;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -186,7 +187,7 @@ Grouped aligned(BatchAligner& aligner, AlignmentTarget AlignableCloud::*levels,
     }
   }
   grouped.first.push_back(starts.size());
-  grouped.results = aligner.align(starts);
+  grouped.results = aligner.align(starts, checkpoint);
   return grouped;
 }
 
@@ -217,14 +218,14 @@ RegistrationResult judged(const RegistrationResult& result, RegistrationResult m
 
 /// What the judge measures at each pose that another method found.
 Grouped judged_by(BatchAligner& judge, std::span<const CloudPair> pairs, Grouped found,
-                  double min_overlap) {
+                  double min_overlap, const Checkpoint& checkpoint) {
   std::vector<AlignmentPair> at;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     for (const RegistrationResult& result : found.of(i)) {
       at.push_back(pair_on(&AlignableCloud::judge, pairs[i], result.T_target_source));
     }
   }
-  const std::vector<RegistrationResult> measured = judge.evaluate(at);
+  const std::vector<RegistrationResult> measured = judge.evaluate(at, checkpoint);
   for (std::size_t k = 0; k < measured.size(); ++k) {
     found.results[k] = judged(found.results[k], measured[k], min_overlap);
   }
@@ -330,13 +331,17 @@ CloudAligner::Size& CloudAligner::of_size(double r_input) {
 }
 
 AlignableCloud CloudAligner::prepare(std::span<const Point> points,
-                                     const std::optional<Eigen::Vector3d>& given) {
+                                     const std::optional<Eigen::Vector3d>& given,
+                                     const Checkpoint& checkpoint) {
+  pass(checkpoint);
   const Eigen::Vector3d viewpoint = given.value_or(viewpoint_of(points));
   const double r_input = settings_.r_input > 0.0 ? settings_.r_input : size_for(points, viewpoint);
   AlignmentClouds& maker = of_size(r_input).clouds;
   const std::vector<double> levels = levels_of(settings_.method, r_input);
+  pass(checkpoint);
   SurfaceCloud cloud = maker.make_cloud(points, viewpoint);
   const auto target = [&](std::span<const double> sizes) {
+    pass(checkpoint);
     return maker.make_target(cloud, settings_.method, sizes);
   };
   AlignmentTarget coarse = target(std::span(levels).first(levels.size() - kFineLevels));
@@ -351,7 +356,8 @@ AlignableCloud CloudAligner::prepare(std::span<const Point> points,
           .above = overhead_view(points, 2.0 * r_input)};
 }
 
-std::vector<CloudAlignment> CloudAligner::align(std::span<const CloudPair> pairs) {
+std::vector<CloudAlignment> CloudAligner::align(std::span<const CloudPair> pairs,
+                                                const Checkpoint& checkpoint) {
   std::map<double, std::vector<std::size_t>> of_sizes;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     of_sizes[pairs[i].a->r_input].push_back(i);
@@ -364,7 +370,7 @@ std::vector<CloudAlignment> CloudAligner::align(std::span<const CloudPair> pairs
       for (const std::size_t i : which) {
         some.push_back(pairs[i]);
       }
-      std::vector<CloudAlignment> found = align_some(of_size(r_input), some);
+      std::vector<CloudAlignment> found = align_some(of_size(r_input), some, checkpoint);
       for (std::size_t k = 0; k < which.size(); ++k) {
         alignments[which[k]] = std::move(found[k]);
       }
@@ -374,25 +380,27 @@ std::vector<CloudAlignment> CloudAligner::align(std::span<const CloudPair> pairs
 }
 
 std::vector<CloudAlignment> CloudAligner::align_some(Size& size,
-                                                     std::span<const CloudPair> pairs) const {
+                                                     std::span<const CloudPair> pairs,
+                                                     const Checkpoint& checkpoint) const {
   std::vector<CloudAlignment> alignments(pairs.size());
   std::vector<std::vector<Eigen::Isometry3d>> poses(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (too_small(pairs[i])) {
       continue;
     }
+    pass(checkpoint);
     poses[i] = pairs[i].guess
                    ? std::vector{*pairs[i].guess}
                    : find_overhead_poses(pairs[i].a->above, pairs[i].b->above, settings_.search);
     alignments[i].poses_tried = poses[i].size();
   }
-  const Grouped coarse = aligned(size.coarse, &AlignableCloud::coarse, pairs, poses);
+  const Grouped coarse = aligned(size.coarse, &AlignableCloud::coarse, pairs, poses, checkpoint);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     poses[i] = best_places(coarse.of(i));
   }
-  Grouped fine = aligned(size.fine, &AlignableCloud::fine, pairs, poses);
+  Grouped fine = aligned(size.fine, &AlignableCloud::fine, pairs, poses, checkpoint);
   if (settings_.method != kJudge) {
-    fine = judged_by(size.judge, pairs, std::move(fine), settings_.min_overlap);
+    fine = judged_by(size.judge, pairs, std::move(fine), settings_.min_overlap, checkpoint);
   }
 
   std::vector<AlignmentPair> open;
@@ -424,7 +432,8 @@ std::vector<CloudAlignment> CloudAligner::align_some(Size& size,
     open_results.push_back(alignment.registration);
     open_pairs.push_back(i);
   }
-  const auto competing = find_competing_poses(size.judge, open, open_results, kCompeting);
+  const auto competing =
+      find_competing_poses(size.judge, open, open_results, kCompeting, checkpoint);
   for (std::size_t k = 0; k < open.size(); ++k) {
     CloudAlignment& alignment = alignments[open_pairs[k]];
     alignment.competing = competing[k];

@@ -84,17 +84,21 @@ class CloudAligner {
   /// where the sensor was; none: the frame's origin, where that lies among the points, else their
   /// middle. Throws engine::Error for more points than kLargestSweep, engine::OutOfMemory.
   AlignableCloud prepare(std::span<const Point> points,
-                         const std::optional<Eigen::Vector3d>& viewpoint = std::nullopt);
+                         const std::optional<Eigen::Vector3d>& viewpoint = std::nullopt,
+                         const Checkpoint& checkpoint = {});
 
-  /// A result a pair, in their order. Throws engine::OutOfMemory, engine::DeviceLost.
-  std::vector<CloudAlignment> align(std::span<const CloudPair> pairs);
+  /// A result a pair, in their order. Throws engine::OutOfMemory, engine::DeviceLost, and what the
+  /// checkpoint throws; the next call works.
+  std::vector<CloudAlignment> align(std::span<const CloudPair> pairs,
+                                    const Checkpoint& checkpoint = {});
 
  private:
   struct Size;
   struct Sizes;
 
   Size& of_size(double r_input);
-  std::vector<CloudAlignment> align_some(Size& size, std::span<const CloudPair> pairs) const;
+  std::vector<CloudAlignment> align_some(Size& size, std::span<const CloudPair> pairs,
+                                         const Checkpoint& checkpoint) const;
 
   engine::Context* context_;
   CloudAlignerSettings settings_;

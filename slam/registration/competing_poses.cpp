@@ -54,7 +54,8 @@ bool fits_better(const RegistrationResult& a, const RegistrationResult& b) {
 
 std::vector<std::optional<CompetingPose>> find_competing_poses(
     BatchAligner& aligner, std::span<const AlignmentPair> pairs,
-    std::span<const RegistrationResult> results, const CompetingPoseSettings& settings) {
+    std::span<const RegistrationResult> results, const CompetingPoseSettings& settings,
+    const Checkpoint& checkpoint) {
   if (pairs.size() != results.size()) {
     throw std::logic_error("competing poses are looked for with one result a pair");
   }
@@ -77,14 +78,14 @@ std::vector<std::optional<CompetingPose>> find_competing_poses(
       }
     }
   }
-  const std::vector<RegistrationResult> scores = aligner.evaluate(offsets);
+  const std::vector<RegistrationResult> scores = aligner.evaluate(offsets, checkpoint);
   std::vector<AlignmentPair> starts;
   for (size_t side = 0; side < of.size(); ++side) {
     const std::span<const RegistrationResult> along =
         std::span(scores).subspan(side * count, count);
     starts.push_back(offsets[side * count + most_promising(along)]);
   }
-  const std::vector<RegistrationResult> found = aligner.align(starts);
+  const std::vector<RegistrationResult> found = aligner.align(starts, checkpoint);
 
   std::vector<std::optional<CompetingPose>> competing(pairs.size());
   for (size_t k = 0; k < found.size(); ++k) {

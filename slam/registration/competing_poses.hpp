@@ -35,6 +35,7 @@ struct CompetingPose {
 /// have none. Errors as BatchAligner::align().
 std::vector<std::optional<CompetingPose>> find_competing_poses(
     BatchAligner& aligner, std::span<const AlignmentPair> pairs,
-    std::span<const RegistrationResult> results, const CompetingPoseSettings& settings = {});
+    std::span<const RegistrationResult> results, const CompetingPoseSettings& settings = {},
+    const Checkpoint& checkpoint = {});
 
 }  // namespace adit

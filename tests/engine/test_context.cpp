@@ -1,13 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 #include <link.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -135,6 +140,51 @@ TEST(Context, CanBeMovedWhileItsBuffersLive) {
   last.emplace(std::move(first));
   EXPECT_EQ(last->memory_in_use(), 1024U);
   EXPECT_EQ(buffer.size(), 1000U);
+}
+
+/// What its calls throw in a process that is forked for it; "hangs" where it does not end.
+template <class Call>
+std::string message_in_child(Call&& call) {
+  std::array<int, 2> ends{};
+  if (pipe(ends.data()) != 0) {
+    return "no pipe";
+  }
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(20);  // ends it
+    const std::string text = message(call);
+    _exit(write(ends[1], text.data(), text.size()) < 0 ? 1 : 0);
+  }
+  close(ends[1]);
+  std::string text(1000, ' ');
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(read(ends[0], text.data(), 1000), 0)));
+  close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? text : "hangs";
+}
+
+TEST(Context, IsRefusedInAForkedProcessInsteadOfHanging) {
+  Context context(test::test_options());
+  const Kernel kernel(context, "engine_probe");
+  const Buffer buffer = context.make_buffer(1000, Memory::upload, "of the parent");
+  Submission under_way = context.submit(context.make_recorder());
+  const std::vector<std::function<void()>> calls = {
+      [&] { context.make_buffer(1000, Memory::device, "of the child"); },
+      [&] { static_cast<void>(context.make_recorder()); },
+      [&] { const Kernel another(context, "engine_probe"); },
+      [&] { under_way.wait(); },
+      [&] { const Context another(test::test_options()); },
+  };
+  for (const std::function<void()>& call : calls) {
+    const std::string text = message_in_child(call);
+    EXPECT_NE(text.find("does not survive a fork"), std::string::npos) << text;
+    EXPECT_NE(text.find("spawn"), std::string::npos) << text;
+  }
+  EXPECT_EQ(message_in_child([&] { const Context gone = std::move(context); }), "no error")
+      << "it is left alone";
+  under_way.wait();
+  context.submit(context.make_recorder()).wait();
 }
 
 }  // namespace

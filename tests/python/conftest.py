@@ -11,6 +11,10 @@ import pytest
 
 import adit
 
+PACKAGE = pathlib.Path(adit.__file__).parent
+# For other processes to find the package that is tested: installed, or in a build tree.
+PATHS = {} if PACKAGE.parent.name.endswith("-packages") else {
+    "PYTHONPATH": str(PACKAGE.parent), "MYPYPATH": str(PACKAGE.parent)}
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SHARED = ROOT.parent / "shared" / "data"
 

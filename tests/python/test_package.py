@@ -3,8 +3,8 @@
 """The package itself: stubs, the program, the names, the guide."""
 
 import ast
+import inspect
 import os
-import pathlib
 import re
 import subprocess
 import sys
@@ -14,9 +14,8 @@ import pytest
 
 import adit
 from adit import _adit
-from conftest import ROOT
+from conftest import PACKAGE, PATHS, ROOT
 
-PACKAGE = pathlib.Path(adit.__file__).parent
 USE = '''
 import numpy as np
 import adit
@@ -36,11 +35,9 @@ ids: list[int] = adit.Map("drive.adit").within([0.0, 0.0, 0.0], np.ones(3))
 
 
 def python(*arguments, **more):
-    """Runs Python with the package that is tested: installed, or in a build tree."""
-    where = {} if PACKAGE.parent.name.endswith("-packages") else {
-        "PYTHONPATH": str(PACKAGE.parent), "MYPYPATH": str(PACKAGE.parent)}
+    """Runs Python with the package that is tested."""
     return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, timeout=300,
-                          env={**os.environ, **where}, **more)
+                          env={**os.environ, **PATHS}, **more)
 
 
 def test_the_stubs_are_strict(tmp_path):
@@ -102,6 +99,93 @@ def compare_parameters(name, nodes, function):
     if found and found[0][-1:] == ["kwargs"]:
         found, said = [found[0][:-1]], [said[0][:-1]]
     assert said == found, name
+
+
+def shape(parameter):
+    """What a stub and inspect both say of a parameter: how it is given, and whether it must be."""
+    return parameter.name, parameter.kind.name, parameter.default is not parameter.empty
+
+
+def stubbed(node):
+    """The signature of a function in the stubs."""
+    names = {}
+    exec(compile(ast.unparse(ast.Module([ast.FunctionDef(
+        node.name, ast.arguments(
+            node.args.posonlyargs, [ast.arg(a.arg) for a in node.args.args],
+            node.args.vararg and ast.arg(node.args.vararg.arg), [ast.arg(a.arg) for a in node.args.kwonlyargs],
+            node.args.kw_defaults, node.args.kwarg and ast.arg(node.args.kwarg.arg), node.args.defaults),
+        [ast.Pass()], [], lineno=0)], [])), "stub", "exec"), names)
+    return [shape(one) for one in inspect.signature(names[node.name]).parameters.values()]
+
+
+def test_signatures_can_be_inspected_and_are_those_of_the_stubs():
+    tree = ast.parse((PACKAGE / "_adit.pyi").read_text())
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            found = inspect.signature(getattr(_adit, node.name)).parameters.values()
+            assert [shape(one) for one in found] == stubbed(node), node.name
+        if not isinstance(node, ast.ClassDef) or issubclass(getattr(_adit, node.name), Exception):
+            continue
+        cls = getattr(_adit, node.name)
+        methods = {}  # of several overloads the one with the most parameters
+        for one in node.body:
+            if isinstance(one, ast.FunctionDef) and not any(ast.unparse(d) == "property" for d in one.decorator_list):
+                longest = methods.get(one.name)
+                if longest is None or len(stubbed(one)) > len(stubbed(longest)):
+                    methods[one.name] = one
+        for name, method in methods.items():
+            if name in ("__eq__", "__exit__"):
+                continue
+            found = [shape(one) for one in inspect.signature(getattr(cls, name)).parameters.values()]
+            assert found == stubbed(method), f"{node.name}.{name}"
+        made = [shape(one) for one in inspect.signature(cls).parameters.values()]
+        if "__init__" in methods:
+            assert made == stubbed(methods["__init__"])[1:], node.name
+        assert cls.__doc__ and "--" not in cls.__doc__.split("\n")
+    assert str(inspect.signature(adit.open)) == "(path, config=None, *, strict=False)"
+    assert str(inspect.signature(adit.Odometry)) == "(config=None, *, device=None)"
+    assert str(inspect.signature(adit.Aligner)).endswith("min_overlap=0.4, device=None)")
+    for name in adit.__all__:
+        value = getattr(adit, name)
+        if callable(value) and not (isinstance(value, type) and issubclass(value, Exception)):
+            inspect.signature(value)
+    assert "open(path" in inspect.getdoc(adit.open) or "Opens an MCAP" in inspect.getdoc(adit.open)
+
+
+def test_a_repr_shows_what_an_object_is(mapped, drive, room):
+    file, report, placed = mapped
+    map_ = adit.Map(file)
+    assert re.fullmatch(r"<adit.Edge from_=0 to=1 kind='odometry' status='active'>", repr(map_.edges[0]))
+    assert re.match(r"<adit.MapReport keyframes=\d+ sweeps=\d+ .*georeferenced=(True|False)>", repr(report))
+    assert re.match(r"<adit.RegistrationResult status='converged' overlap=0\.\d+", repr(placed[-1].result.registration))
+    assert re.match(r"<adit.Submap of \d+ keyframe=0 ", repr(map_.submap(0)))
+    assert repr(adit.Odometry()) == "<adit.Odometry before its first sweep>"
+    assert repr(adit.Aligner()) == "<adit.Aligner vgicp, resolution 0, min_overlap 0.4>"
+    for name in adit.__all__:
+        value = getattr(adit, name)
+        if isinstance(value, type) and value.__module__ == "adit._adit":
+            assert "__repr__" in vars(value), name
+
+
+def test_files_are_closed_at_the_end_of_a_block(drive, mapped):
+    with adit.open(drive) as recording:
+        events = iter(recording)
+        next(events)
+        placed = adit.Slam.for_recording(recording).process(recording)
+    assert recording.closed and recording.damage == [] and recording.path == drive
+    assert "closed" in repr(recording)
+    for use in (lambda: next(events), lambda: next(placed), lambda: iter(recording), lambda: recording.topics,
+                lambda: recording.has_imu, lambda: adit.Slam.for_recording(recording)):
+        with pytest.raises(ValueError, match="drive.mcap: the recording is closed"):
+            use()
+    recording.close()  # again, which does nothing
+    assert str(drive) not in [os.readlink(f"/proc/self/fd/{name}") for name in os.listdir("/proc/self/fd")
+                              if os.path.exists(f"/proc/self/fd/{name}")]
+    with adit.Map(mapped[0]) as map_:
+        assert map_.keyframes
+    with pytest.raises(ValueError, match="the map is closed"):
+        map_.keyframes
+    assert str(mapped[0]) in repr(map_)
 
 
 def test_python_m_adit_is_the_program(tmp_path, program, drive):

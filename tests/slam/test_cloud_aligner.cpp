@@ -85,6 +85,36 @@ TEST_F(CloudAlignerTest, GivesTheSameBitsAgainAndWithOtherPairs) {
   EXPECT_EQ(alone.refusal, together.refusal);
 }
 
+TEST_F(CloudAlignerTest, ACheckpointEndsTheWorkAndChangesNoBit) {
+  struct Stop {};
+  CloudAligner aligner(context());
+  std::size_t passed = 0;
+  const Checkpoint count = [&] { ++passed; };
+  const AlignableCloud a = aligner.prepare(seen(place(10.0, 0.5, 0.0)), std::nullopt, count);
+  const AlignableCloud b = aligner.prepare(seen(place(12.0, 0.0, 20.0, 2)), std::nullopt, count);
+  EXPECT_GE(passed, 6U) << "between the parts of a cloud";
+  const std::vector<CloudPair> pairs(6, {.a = &a, .b = &b});
+  const std::vector<CloudAlignment> expected = aligner.align(pairs);
+  passed = 0;
+  const std::vector<CloudAlignment> in_pieces = aligner.align(pairs, count);
+  EXPECT_GE(passed, pairs.size() + 4) << "a search each, coarse, fine, scores and competing poses";
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    EXPECT_EQ(in_pieces[i].T_a_b.matrix(), expected[i].T_a_b.matrix());
+    EXPECT_EQ(in_pieces[i].covariance, expected[i].covariance);
+    EXPECT_EQ(in_pieces[i].refusal, expected[i].refusal);
+  }
+  for (const std::size_t last : {std::size_t{1}, pairs.size() + 1, pairs.size() + 3}) {
+    std::size_t left = last;
+    const Checkpoint stop = [&] {
+      if (--left == 0) {
+        throw Stop{};
+      }
+    };
+    EXPECT_THROW(aligner.align(pairs, stop), Stop) << last;
+    EXPECT_EQ(aligner.align(pairs).front().T_a_b.matrix(), expected.front().T_a_b.matrix());
+  }
+}
+
 TEST_F(CloudAlignerTest, RefusesOtherPlacesWithAReason) {
   CloudAligner aligner(context());
   const AlignableCloud here = aligner.prepare(seen(place(10.0, 0.0, 0.0)));

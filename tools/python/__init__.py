@@ -9,17 +9,18 @@
     slam.finish_map()
 
 Poses are (4, 4) float64 and named T_a_b: they map coordinates in b to a. Points are (n, 4) float32, x y z in m and the
-sensor's intensity. Stamps are whole nanoseconds. Errors are subclasses of adit.Error, with the program's own messages;
-arrays of a wrong type or shape are TypeError and ValueError. What works on the device releases the GIL.
+sensor's intensity. Stamps are whole nanoseconds. Where arrays are wanted, all that NumPy makes arrays of numbers of is
+taken, and copied once. Errors are subclasses of adit.Error, with the program's own messages; what holds no numbers or
+has a wrong shape is TypeError and ValueError. What works on the device releases the GIL. Measurements, results and
+Config pickle. A device does not survive a fork: start processes with multiprocessing.get_context("spawn").
 """
 
 from __future__ import annotations
 
 import atexit
 import functools
-from typing import Iterable, Literal, Optional, Sequence, Union
+from typing import Any, Iterable, Literal, Optional, Sequence, Union
 
-import numpy as np
 import numpy.typing as npt
 
 from ._adit import (Aligner, Alignment, BodyVelocity, Config, Device, DeviceError, DoubtfulStretch, Edge, Error,
@@ -32,7 +33,7 @@ from ._adit import (Aligner, Alignment, BodyVelocity, Config, Device, DeviceErro
 
 __version__ = version()
 
-_Array = Union[npt.NDArray[np.float32], npt.NDArray[np.float64]]
+_Array = npt.ArrayLike  # of numbers
 _Method = Literal["vgicp", "ndt", "point-to-plane", "ndt-to-ndt"]
 
 __all__ = [
@@ -60,7 +61,7 @@ def align(a: _Array, b: _Array, guess: Optional[_Array] = None, *, method: _Meth
     return _aligner(method, resolution, min_overlap, device).align(a, b, guess)
 
 
-def align_batch(pairs: Iterable[Sequence[Optional[_Array]]], *, method: _Method = "vgicp", resolution: float = 0.0,
+def align_batch(pairs: Iterable[Sequence[Any]], *, method: _Method = "vgicp", resolution: float = 0.0,
                 min_overlap: float = 0.4, device: Union[str, Device, None] = None) -> list[Alignment]:
     """Many pairs at once, (a, b) or (a, b, guess) each, as Aligner.align_batch()."""
     return _aligner(method, resolution, min_overlap, device).align_batch(pairs)

@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <memory>
+#include <new>
 
 #include <fmt/core.h>
 
@@ -23,23 +25,67 @@ std::string text_of(const std::vector<py::ssize_t>& shape) {
   return "(" + text + (shape.size() == 1 ? ",)" : ")");
 }
 
-py::array as_floats(const py::object& object, std::string_view name) {
-  if (!py::isinstance<py::array>(object)) {
-    throw py::type_error(fmt::format("{}: a NumPy array is expected, not {}", name,
-                                     std::string(py::str(py::type::of(object).attr("__name__")))));
+/// In the order of rows, of this machine's byte order, aligned: the array itself where it is so.
+constexpr int kPlain =
+    py::array::c_style | py::array::forcecast | py::detail::npy_api::NPY_ARRAY_ALIGNED_;
+template <class Number>
+using PlainArray = py::array_t<Number, kPlain>;
+
+std::string type_name(const py::object& object) {
+  return py::str(py::type::of(object).attr("__name__"));
+}
+
+/// What NumPy makes of lists and the like.
+py::array as_array(const py::object& object, std::string_view name) {
+  if (py::isinstance<py::array>(object)) {
+    return py::reinterpret_borrow<py::array>(object);
   }
-  const auto array = py::reinterpret_borrow<py::array>(object);
-  // Not by the identity of dtypes: that of an array that was unpickled is another object.
-  if (!py::isinstance<py::array_t<float>>(array) && !py::isinstance<py::array_t<double>>(array)) {
-    throw py::type_error(fmt::format("{}: float32 or float64 is expected, not {}", name,
-                                     std::string(py::str(array.dtype()))));
+  try {
+    return py::module_::import("numpy").attr("asarray")(object);
+  } catch (py::error_already_set& error) {
+    if (!error.matches(PyExc_ValueError)) {  // of rows that are not equally long
+      throw;
+    }
+    throw py::value_error(
+        fmt::format("{}: NumPy makes no array of this {}", name, type_name(object)));
+  }
+}
+
+/// `kinds` are the letters by which NumPy's dtypes tell them, `wanted` is their name.
+py::array as_numbers(const py::object& object, std::string_view name, std::string_view kinds,
+                     std::string_view wanted) {
+  py::array array = as_array(object, name);
+  // NumPy makes float64 of an empty list, and of a list of other objects an array of objects.
+  if (kinds.find(array.dtype().kind()) == std::string_view::npos) {
+    throw py::type_error(
+        py::isinstance<py::array>(object)
+            ? fmt::format("{}: {} are expected, not {}", name, wanted,
+                          std::string(py::str(array.dtype())))
+            : fmt::format("{}: a NumPy array of {} is expected, or what makes one, not {}", name,
+                          wanted, type_name(object)));
   }
   return array;
 }
 
-/// The same numbers as doubles, in the order of rows.
-py::array_t<double, py::array::c_style | py::array::forcecast> doubles(const py::array& array) {
-  return py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(array);
+py::array as_numbers(const py::object& object, std::string_view name) {
+  return as_numbers(object, name, "fiu", "numbers");
+}
+
+template <class Number>
+PlainArray<Number> plain(const py::array& array) {
+  auto numbers = PlainArray<Number>::ensure(array);
+  if (!numbers) {
+    throw std::bad_alloc();  // whatever is made of numbers can be converted
+  }
+  return numbers;
+}
+
+PlainArray<double> doubles(const py::array& array) {
+  return plain<double>(array);
+}
+
+bool is_single(const py::array& array) {
+  return py::isinstance<py::array_t<float>>(array);  // not by the identity of its dtype
 }
 
 void require_finite(const double* numbers, py::ssize_t size, std::string_view name) {
@@ -51,8 +97,8 @@ void require_finite(const double* numbers, py::ssize_t size, std::string_view na
 }
 
 template <class Number>
-std::vector<Point> read_points(const py::array& array) {
-  const auto numbers = py::array_t<Number>(array).template unchecked<2>();
+std::vector<Point> read_points(const PlainArray<Number>& array) {
+  const auto numbers = array.template unchecked<2>();
   std::vector<Point> points(static_cast<std::size_t>(numbers.shape(0)));
   const bool has_intensity = numbers.shape(1) == 4;
   for (py::ssize_t i = 0; i < numbers.shape(0); ++i) {
@@ -67,9 +113,9 @@ std::vector<Point> read_points(const py::array& array) {
 
 }  // namespace
 
-py::array float_array(const py::object& object, std::string_view name,
-                      const std::vector<py::ssize_t>& shape) {
-  py::array array = as_floats(object, name);
+py::array number_array(const py::object& object, std::string_view name,
+                       const std::vector<py::ssize_t>& shape) {
+  py::array array = as_numbers(object, name);
   bool fits = array.ndim() == static_cast<py::ssize_t>(shape.size());
   for (std::size_t i = 0; fits && i < shape.size(); ++i) {
     fits = shape[i] < 0 || array.shape(static_cast<py::ssize_t>(i)) == shape[i];
@@ -82,7 +128,7 @@ py::array float_array(const py::object& object, std::string_view name,
 }
 
 std::vector<Point> points_of(const py::object& object, std::string_view name) {
-  const py::array array = as_floats(object, name);
+  const py::array array = as_numbers(object, name);
   if (array.ndim() != 2 || (array.shape(1) != 3 && array.shape(1) != 4)) {
     throw py::value_error(
         fmt::format("{}: has the shape {}, not (n, 3) or (n, 4)", name, text_of(array)));
@@ -90,20 +136,20 @@ std::vector<Point> points_of(const py::object& object, std::string_view name) {
   if (array.shape(0) == 0) {
     throw py::value_error(fmt::format("{}: has no point", name));
   }
-  if (!py::isinstance<py::array_t<float>>(array)) {
-    return read_points<double>(array);
+  if (!is_single(array)) {
+    return read_points(doubles(array));
   }
-  if (array.shape(1) == 4 && (array.flags() & py::array::c_style) != 0) {
-    std::vector<Point> points(static_cast<std::size_t>(array.shape(0)));
-    std::memcpy(points.data(), array.data(), points.size() * sizeof(Point));
-    return points;
+  const auto numbers = plain<float>(array);
+  if (numbers.shape(1) != 4) {
+    return read_points(numbers);
   }
-  return read_points<float>(array);
+  std::vector<Point> points(static_cast<std::size_t>(numbers.shape(0)));
+  std::memcpy(static_cast<void*>(points.data()), numbers.data(), points.size() * sizeof(Point));
+  return points;
 }
 
 std::vector<float> floats_of(const py::object& object, std::string_view name) {
-  const py::array array = float_array(object, name, {-1});
-  const auto numbers = doubles(array);
+  const auto numbers = doubles(number_array(object, name, {-1}));
   std::vector<float> floats(static_cast<std::size_t>(numbers.size()));
   for (std::size_t i = 0; i < floats.size(); ++i) {
     floats[i] = static_cast<float>(numbers.data()[i]);
@@ -111,9 +157,26 @@ std::vector<float> floats_of(const py::object& object, std::string_view name) {
   return floats;
 }
 
+std::vector<uint16_t> rings_of(const py::object& object, std::string_view name) {
+  constexpr auto kMost = std::numeric_limits<uint16_t>::max();
+  const auto numbers = plain<int64_t>(as_numbers(object, name, "iu", "whole numbers"));
+  if (numbers.ndim() != 1) {
+    throw py::value_error(fmt::format("{}: has the shape {}, not (n,)", name, text_of(numbers)));
+  }
+  std::vector<uint16_t> rings;
+  rings.reserve(static_cast<std::size_t>(numbers.size()));
+  for (py::ssize_t i = 0; i < numbers.size(); ++i) {
+    const int64_t number = numbers.data()[i];
+    if (number < 0 || number > kMost) {
+      throw py::value_error(fmt::format("{}: {} is not between 0 and {}", name, number, kMost));
+    }
+    rings.push_back(static_cast<uint16_t>(number));
+  }
+  return rings;
+}
+
 Eigen::Vector3d vector_of(const py::object& object, std::string_view name, bool finite) {
-  const auto numbers = doubles(
-      float_array(py::module_::import("numpy").attr("asarray")(object, "float64"), name, {3}));
+  const auto numbers = doubles(number_array(object, name, {3}));
   if (finite) {
     require_finite(numbers.data(), 3, name);
   }
@@ -121,13 +184,13 @@ Eigen::Vector3d vector_of(const py::object& object, std::string_view name, bool 
 }
 
 Eigen::Matrix3d matrix_of(const py::object& object, std::string_view name) {
-  const auto numbers = doubles(float_array(object, name, {3, 3}));
+  const auto numbers = doubles(number_array(object, name, {3, 3}));
   require_finite(numbers.data(), 9, name);
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data());
 }
 
 Eigen::Isometry3d pose_of_array(const py::object& object, std::string_view name) {
-  const auto numbers = doubles(float_array(object, name, {4, 4}));
+  const auto numbers = doubles(number_array(object, name, {4, 4}));
   require_finite(numbers.data(), 16, name);
   const Eigen::Matrix4d matrix =
       Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,18 +21,22 @@ namespace adit::python {
 
 namespace py = pybind11;
 
-/// Throws TypeError unless `object` is an array of float32 or float64, ValueError unless its shape
-/// is this; -1 stands for any length. `name` is the argument's, for messages.
-py::array float_array(const py::object& object, std::string_view name,
-                      const std::vector<py::ssize_t>& shape);
+/// An array as it is; of anything else what numpy.asarray() makes of it. Throws TypeError unless
+/// that holds whole or real numbers of any size and byte order, ValueError unless its shape is
+/// this; -1 stands for any length. `name` is the argument's, for messages.
+py::array number_array(const py::object& object, std::string_view name,
+                       const std::vector<py::ssize_t>& shape);
 
-/// Points of an array of (n, 3) or (n, 4): x y z in m and, in the fourth column, intensity. An
-/// array of float32 with four columns is copied as it is. Throws TypeError, ValueError; also for no
-/// point at all.
+/// Points of (n, 3) or (n, 4) numbers: x y z in m and, in the fourth column, intensity. An array of
+/// float32 with four columns in the order of rows is copied as it is, any other is converted first.
+/// Throws TypeError, ValueError; also for no point at all.
 std::vector<Point> points_of(const py::object& object, std::string_view name);
 
-/// (n,): as they are.
+/// (n,) numbers.
 std::vector<float> floats_of(const py::object& object, std::string_view name);
+
+/// (n,) whole numbers from 0 to 65535. Throws TypeError, ValueError.
+std::vector<uint16_t> rings_of(const py::object& object, std::string_view name);
 
 /// (3,), finite unless that is allowed: what an inertial sensor does not measure is NaN.
 Eigen::Vector3d vector_of(const py::object& object, std::string_view name, bool finite = true);

@@ -20,6 +20,7 @@
 #include "adit/tools/python/arrays.hpp"
 #include "adit/tools/python/device.hpp"
 #include "adit/tools/python/gil.hpp"
+#include "adit/tools/python/pickling.hpp"
 
 namespace adit::python {
 namespace {
@@ -35,6 +36,15 @@ RegistrationMethod method_named(const std::string& name) {
     known += (known.empty() ? "" : ", ") + its_name;
   }
   throw py::value_error("method: one of " + known + ", not " + name);
+}
+
+std::string name_of(RegistrationMethod method) {
+  for (const auto& [its_name, its_method] : alignment_methods()) {
+    if (method == its_method) {
+      return its_name;
+    }
+  }
+  return {};
 }
 
 /// Two clouds of a batch, by their places among its clouds.
@@ -58,16 +68,17 @@ class DeviceAligner {
   std::vector<Alignment> align(const std::vector<std::vector<Point>>& clouds,
                                const std::vector<Pair>& pairs) {
     const std::lock_guard lock(mutex_);
+    const Checkpoint checkpoint = signal_checks();
     std::vector<AlignableCloud> prepared;
     prepared.reserve(clouds.size());
     for (const std::vector<Point>& points : clouds) {
-      prepared.push_back(aligner_.prepare(points));
+      prepared.push_back(aligner_.prepare(points, std::nullopt, checkpoint));
     }
     std::vector<CloudPair> wanted;
     for (const Pair& pair : pairs) {
       wanted.push_back({.a = &prepared[pair.a], .b = &prepared[pair.b], .guess = pair.guess});
     }
-    std::vector<CloudAlignment> alignments = aligner_.align(wanted);
+    std::vector<CloudAlignment> alignments = aligner_.align(wanted, checkpoint);
     std::vector<Alignment> results;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       results.push_back({.pair = {.named = {.a = "a", .b = "b", .guess = pairs[i].guess},
@@ -76,6 +87,11 @@ class DeviceAligner {
                          .settings = settings_});
     }
     return results;
+  }
+
+  std::string text() const {
+    return fmt::format("<adit.Aligner {}, resolution {}, min_overlap {}>",
+                       name_of(settings_.method), settings_.r_input, settings_.min_overlap);
   }
 
  private:
@@ -260,6 +276,7 @@ void bind_alignment(py::module_& module) {
       .def_property_readonly(
           "resolution", [](const Alignment& self) { return self.pair.r_input; },
           "One point per so many m was left of b.")
+      .def(pickling<Alignment>())
       .def("__repr__", [](const Alignment& self) {
         return "<adit.Alignment " +
                (self.pair.usable() ? "usable" : "refused: " + reason_of(self.pair, self.settings)) +
@@ -304,13 +321,16 @@ void bind_clouds(py::module_& module) {
           "on a. device: None, a name or a Device. ValueError, DeviceError.")
       .def(
           "align", &align, py::arg("a"), py::arg("b"), py::arg("guess") = py::none(),
-          "a, b: (n, 3) or (n, 4), m; NaN and 0 0 0 are dropped. guess: (4, 4), T_a_b to some 2 m\n"
+          "a, b: (n, 3) or (n, 4), m; NaN and 0 0 0 are dropped. Arrays of any number type and\n"
+          "layout and lists are taken, and copied once. guess: (4, 4), T_a_b to some 2 m\n"
           "and 20 degrees; None: it is searched for, which wants clouds with z up. Returns an\n"
           "Alignment. TypeError, ValueError, DeviceError (more points than fit).")
       .def(
           "align_batch", &align_batch, py::arg("pairs"),
           "Many pairs at once: (a, b) or (a, b, guess) each. An array that several pairs share is\n"
-          "prepared once. Returns an Alignment a pair, in their order.");
+          "prepared once. Returns an Alignment a pair, in their order. Ctrl-C ends it between two\n"
+          "steps on the device.")
+      .def("__repr__", [](const DeviceAligner& self) { return self.text(); });
   module.def(
       "voxel_down_sample", &voxel_down_sample, py::arg("points"), py::arg("size"), py::kw_only(),
       py::arg("device") = py::none(),
@@ -335,7 +355,8 @@ void bind_clouds(py::module_& module) {
             return view_of(self.cast<const Surfaces&>().planes, self).attr("view")("bool");
           },
           "(m,) bool: the direction is the normal of a plane. A view.")
-      .def("__len__", [](const Surfaces& self) { return self.points.size(); });
+      .def("__len__", [](const Surfaces& self) { return self.points.size(); })
+      .def(pickling<Surfaces>());
   module.def(
       "estimate_surfaces", &estimate_surfaces, py::arg("points"), py::arg("size"), py::kw_only(),
       py::arg("device") = py::none(),

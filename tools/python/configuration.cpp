@@ -11,8 +11,10 @@
 #include <pybind11/stl/filesystem.h>
 #include <nlohmann/json.hpp>
 
+#include "adit/tools/python/pickling.hpp"
 #include "adit/tools/setup/config_file.hpp"
 #include "adit/tools/setup/presets.hpp"
+#include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit::python {
@@ -48,13 +50,45 @@ std::string toml_of(const std::string& setting, const py::handle& value) {
                                    std::string(py::repr(value))));
 }
 
-/// "section.key=value" of each setting in a dictionary; None: not given.
+std::vector<std::string> names_in(const nlohmann::ordered_json& object) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : object.items()) {
+    names.push_back(name);
+  }
+  return names;
+}
+
+/// For what is named without a value: load_config() checks what has one. Throws UsageError.
+void require_known(const std::string& name) {
+  const nlohmann::ordered_json known = to_json(Config{});
+  const std::size_t dot = name.find('.');
+  const std::string section = name.substr(0, dot);
+  const auto found = known.find(section);
+  if (found == known.end()) {
+    throw UsageError(fmt::format("{}: there is no section '{}'. {}.", name, section,
+                                 suggestion(section, names_in(known))));
+  }
+  if (dot == std::string::npos) {
+    return;
+  }
+  const std::string key = name.substr(dot + 1);
+  if (!found->contains(key)) {
+    throw UsageError(fmt::format("{}: there is no setting '{}'. {}.", name, name,
+                                 suggestion(key, names_in(*found), section + ".")));
+  }
+}
+
+/// "section.key=value" of each setting in a dictionary; None: not given. Throws UsageError for
+/// unknown names without a value.
 void add_overrides(Overrides& overrides, const py::dict& settings, const std::string& prefix) {
   for (const auto& [key, value] : settings) {
     const std::string name = prefix + py::str(key).cast<std::string>();
     if (py::isinstance<py::dict>(value)) {
+      require_known(name);
       add_overrides(overrides, py::reinterpret_borrow<py::dict>(value), name + ".");
-    } else if (!value.is_none()) {
+    } else if (value.is_none()) {
+      require_known(name);
+    } else {
       overrides.push_back(name + "=" + toml_of(name, value));
     }
   }
@@ -130,6 +164,10 @@ void bind_configuration(py::module_& module) {
           "to_dict", [](const Config& config) { return value_of(to_json(config)); },
           "All settings by section; what is not given is None.")
       .def("to_toml", &to_toml, "The whole configuration as `adit config` prints it.")
+      .def(py::pickle([](const Config& config) { return state_of(py::str(to_toml(config))); },
+                      [](const py::tuple& state) {
+                        return parse_config(content_of(state), "pickled Config");
+                      }))
       .def("__eq__",
            [](const Config& a, const py::object& b) {
              return py::isinstance<Config>(b) && to_toml(a) == to_toml(b.cast<const Config&>());

@@ -18,6 +18,7 @@
 #include "adit/tools/python/arrays.hpp"
 #include "adit/tools/python/gil.hpp"
 #include "adit/tools/python/measurements.hpp"
+#include "adit/tools/python/pickling.hpp"
 #include "adit/tools/python/trajectories.hpp"
 
 namespace adit::python {
@@ -26,20 +27,33 @@ namespace {
 /// A map that is read. One thread at a time is in its database.
 class OpenMap {
  public:
-  explicit OpenMap(const std::filesystem::path& file) : database_(file, MapAccess::read) {}
+  explicit OpenMap(const std::filesystem::path& file) : file_(file) {
+    database_.emplace(file, MapAccess::read);
+  }
 
-  const std::filesystem::path& file() const { return database_.file(); }
+  const std::filesystem::path& file() const { return file_; }
+  /// Throws ValueError once it is closed.
   template <class Call>
   auto with(Call&& call) {
     return without_gil([&] {
       const std::lock_guard lock(mutex_);
-      return call(std::as_const(database_));
+      if (!database_) {
+        throw py::value_error(file_.string() + ": the map is closed");
+      }
+      return call(std::as_const(*database_));
+    });
+  }
+  void close() {
+    without_gil([&] {
+      const std::lock_guard lock(mutex_);
+      database_.reset();
     });
   }
 
  private:
+  std::filesystem::path file_;
   std::mutex mutex_;
-  MapDatabase database_;
+  std::optional<MapDatabase> database_;
 };
 
 /// A submap with its points as arrays can have them.
@@ -93,7 +107,8 @@ void bind_records(py::module_& module) {
             }
             return dict;
           },
-          "Where it comes from: recording, device, driver, version.");
+          "Where it comes from: recording, device, driver, version.")
+      .def(pickling<MapSession>());
   py::class_<MapKeyframe>(module, "Keyframe", "A node of the graph with the sweep it belongs to.")
       .def_readonly("id", &MapKeyframe::id)
       .def_readonly("session", &MapKeyframe::session, "Whose it is.")
@@ -108,6 +123,7 @@ void bind_records(py::module_& module) {
       .def_property_readonly(
           "vertical", [](const MapKeyframe& self) { return std::string(to_string(self.vertical)); },
           "What its submap knows the vertical from: gravity, ground or unknown.")
+      .def(pickling<MapKeyframe>())
       .def("__repr__",
            [](const MapKeyframe& self) { return fmt::format("<adit.Keyframe {}>", self.id); });
   py::class_<PoseEdge>(module, "Edge", "A measured pose of one keyframe in another's frame.")
@@ -123,7 +139,8 @@ void bind_records(py::module_& module) {
           "odometry, loop, or start: where a session was expected to begin, which does not count.")
       .def_property_readonly(
           "status", [](const PoseEdge& self) { return std::string(to_string(self.status)); },
-          "active, candidate or revoked; only active ones count.");
+          "active, candidate or revoked; only active ones count.")
+      .def(pickling<PoseEdge>());
   py::class_<LoopCandidate>(module, "Loop", "A place that might have been seen before.")
       .def_readonly("id", &LoopCandidate::id)
       .def_readonly("from_", &LoopCandidate::from, "Id of a keyframe.")
@@ -140,7 +157,8 @@ void bind_records(py::module_& module) {
       .def_readonly("reason", &LoopCandidate::reason, "Of the verdict, a word.")
       .def_readonly("overlap", &LoopCandidate::overlap, "Share of points with a match.")
       .def_readonly("rms", &LoopCandidate::rms, "Of the matches, m.")
-      .def_readonly("correction", &LoopCandidate::correction, "Of the pose that the graph had, m.");
+      .def_readonly("correction", &LoopCandidate::correction, "Of the pose that the graph had, m.")
+      .def(pickling<LoopCandidate>());
   py::class_<MapFix>(module, "MapFix", "A GNSS fix with its place in the map.")
       .def_readonly("id", &MapFix::id)
       .def_readonly("keyframe", &MapFix::keyframe,
@@ -162,7 +180,8 @@ void bind_records(py::module_& module) {
       .def_property_readonly(
           "verdict", [](const MapFix& self) { return std::string(to_string(self.verdict)); },
           "waiting, used, thinned, outlier, frozen, impossible or apart.")
-      .def_readonly("chi2", &MapFix::chi2, "Of its distance from where the map has it.");
+      .def_readonly("chi2", &MapFix::chi2, "Of its distance from where the map has it.")
+      .def(pickling<MapFix>());
 }
 
 void bind_georeference(py::module_& module) {
@@ -200,7 +219,8 @@ void bind_georeference(py::module_& module) {
             return array_of(Eigen::Vector3d(self.T_world_map.inverse() * world));
           },
           py::arg("latitude"), py::arg("longitude"), py::arg("altitude"),
-          "(3,) in the map, m, of a place on WGS 84; degrees, m.");
+          "(3,) in the map, m, of a place on WGS 84; degrees, m.")
+      .def(pickling<Georeference>());
 }
 
 void bind_submap(py::module_& module) {
@@ -235,7 +255,8 @@ void bind_submap(py::module_& module) {
             return poses_of(poses, {});
           },
           "A Trajectory: the poses of its sweeps, T_keyframe_lidar.")
-      .def("__len__", [](const Submap& self) { return self.sweep_of.size(); });
+      .def("__len__", [](const Submap& self) { return self.sweep_of.size(); })
+      .def(pickling<Submap>());
 }
 
 /// Getters of what the database has as a list or a value.
@@ -313,6 +334,11 @@ void bind_map(py::module_& module) {
           "A Trajectory: T_map_lidar of every sweep, as the map has it now.")
       .def("check", getter(&MapDatabase::check),
            "What is wrong with it, a sentence each; empty: it is whole. Reads everything.")
+      .def("close", &OpenMap::close,
+           "Closes its file; `with adit.Map(...) as map` does at the end of the block. What reads\n"
+           "it then raises ValueError.")
+      .def("__enter__", [](const py::object& self) { return self; })
+      .def("__exit__", [](OpenMap& self, const py::args&) { self.close(); })
       .def("__repr__", [](OpenMap& self) { return "<adit.Map " + self.file().string() + ">"; });
 }
 

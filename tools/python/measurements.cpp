@@ -11,6 +11,7 @@
 #include <pybind11/stl.h>
 
 #include "adit/tools/python/arrays.hpp"
+#include "adit/tools/python/pickling.hpp"
 
 namespace adit::python {
 namespace {
@@ -36,7 +37,7 @@ Sweep make_sweep(const py::object& points, const py::object& times, const py::ob
     }
   }
   if (!rings.is_none()) {
-    sweep.rings = rings.cast<std::vector<uint16_t>>();
+    sweep.rings = rings_of(rings, "rings");
     if (sweep.rings.size() != sweep.points.size()) {
       throw py::value_error(
           fmt::format("rings: {} for {} points", sweep.rings.size(), sweep.points.size()));
@@ -100,7 +101,8 @@ py::class_<Measured<Value>> bind(py::module_& module, const char* name, const ch
           [](const Held& self) {
             return self.received ? std::optional(self.received->count()) : std::nullopt;
           },
-          "Time of the recorder's clock (ns); None where no recording told it.");
+          "Time of the recorder's clock (ns); None where no recording told it.")
+      .def(pickling<Held>());
   if constexpr (requires(Value value) { value.stamp; }) {
     bound.def_property_readonly(
         "stamp", [](const Held& self) { return self.value.stamp.count(); },
@@ -130,7 +132,7 @@ void bind_sweep(py::module_& module) {
           },
           "(n, 4) float32: x y z in m, intensity. A view, not writable.")
       .def_property_readonly(
-          "offset", [](const Held& self) { return Eigen::Vector3d(self.value.offset); },
+          "offset", [](const Held& self) { return array_of(self.value.offset); },
           "(3,) float64, m: points + offset are the coordinates of the recording. Zero unless "
           "these\n"
           "are so large that float32 would round them.")

@@ -13,6 +13,7 @@
 #include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tools/python/clouds.hpp"
 #include "adit/tools/python/configuration.hpp"
+#include "adit/tools/python/descriptions.hpp"
 #include "adit/tools/python/device.hpp"
 #include "adit/tools/python/map.hpp"
 #include "adit/tools/python/measurements.hpp"
@@ -115,4 +116,5 @@ PYBIND11_MODULE(_adit, module) {
   bind_clouds(module);
   bind_map(module);
   bind_program(module);
+  describe_all(module);
 }

@@ -190,7 +190,15 @@ void bind_odometry(py::module_& module) {
           "them.")
       .def(
           "cloud", [](Self& self) { return array_of(without_gil([&] { return self.cloud(); })); },
-          "(n, 4) float32: the last sweep, down-sampled, lidar axes, m.");
+          "(n, 4) float32: the last sweep, down-sampled, lidar axes, m.")
+      .def("__repr__", [](Self& self) {
+        const auto pose = without_gil([&] { return self.pose(); });
+        if (!pose) {
+          return std::string("<adit.Odometry before its first sweep>");
+        }
+        const Eigen::Vector3d p = pose->translation();
+        return fmt::format("<adit.Odometry at ({:.3f}, {:.3f}, {:.3f}) m>", p.x(), p.y(), p.z());
+      });
 }
 
 }  // namespace adit::python

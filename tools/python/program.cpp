@@ -17,6 +17,7 @@
 #endif
 #include "adit/tools/commands/program.hpp"
 #include "adit/tools/python/gil.hpp"
+#include "adit/tools/python/pickling.hpp"
 #include "adit/tools/simulator/scene_file.hpp"
 #include "adit/tools/simulator/simulation.hpp"
 #include "adit/tools/support/commit.hpp"
@@ -89,7 +90,7 @@ SimulationSummary simulated(const std::string& scene, const std::filesystem::pat
   if (wanted.perfect) {
     lidar.effects = {.noise = false, .dropout = false, .mixed_pixels = false, .dust = false};
   }
-  return simulate(options, [](std::size_t, std::size_t) {});
+  return simulate(options, [check = signal_checks()](std::size_t, std::size_t) { check(); });
 }
 
 }  // namespace
@@ -100,7 +101,8 @@ void bind_program(py::module_& module) {
       .def_readonly("points", &SimulationSummary::points, "Returns, of all sweeps.")
       .def_readonly("imu_samples", &SimulationSummary::imu_samples)
       .def_readonly("gnss_fixes", &SimulationSummary::gnss_fixes)
-      .def_readonly("path", &SimulationSummary::path, "Length of the way, m.");
+      .def_readonly("path", &SimulationSummary::path, "Length of the way, m.")
+      .def(pickling<SimulationSummary>());
   module.def(
       "simulate",
       [](const std::string& scene, const std::filesystem::path& output,

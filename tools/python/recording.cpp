@@ -11,6 +11,7 @@
 #include "adit/tools/python/configuration.hpp"
 #include "adit/tools/python/gil.hpp"
 #include "adit/tools/python/measurements.hpp"
+#include "adit/tools/python/pickling.hpp"
 #include "adit/tools/recordings/tolerant_recording.hpp"
 #include "adit/tools/setup/configured_recording.hpp"
 #include "adit/tools/setup/sensor_topics.hpp"
@@ -25,30 +26,46 @@ using SharedRecording = std::shared_ptr<const RecordingFile>;
 /// The events of a recording, as a Python iterator; static transforms first.
 class EventIterator {
  public:
-  EventIterator(SharedRecording recording, std::unique_ptr<EventStream> events,
-                std::vector<StaticTransform> transforms)
+  EventIterator(SharedRecording recording, std::shared_ptr<const OpenRecording> opened,
+                std::unique_ptr<EventStream> events, std::vector<StaticTransform> transforms)
       : recording_(std::move(recording)),
+        opened_(std::move(opened)),
         events_(std::move(events)),
         transforms_(std::move(transforms)) {}
 
   py::object next() {
-    if (given_ < transforms_.size()) {
-      return py::cast(Measured<StaticTransform>{.value = transforms_[given_++]});
-    }
+    std::shared_ptr<const OpenRecording> opened;
+    const StaticTransform* transform = nullptr;
     std::optional<Event> event;
-    {
-      const py::gil_scoped_release released;
+    without_gil([&] {
       const std::lock_guard lock(mutex_);
-      event = events_->next();
+      let_go_if_closed();
+      opened = recording_->opened();
+      if (given_ < transforms_.size()) {
+        transform = &transforms_[given_++];
+      } else {
+        event = events_->next();
+      }
+    });
+    if (transform != nullptr) {
+      return py::cast(Measured<StaticTransform>{.value = *transform});
     }
     if (!event) {
       throw py::stop_iteration();
     }
-    return object_of(std::move(*event), recording_->topics());
+    return object_of(std::move(*event), opened->topics());
   }
 
  private:
+  void let_go_if_closed() {
+    if (recording_->closed()) {
+      events_.reset();
+      opened_.reset();
+    }
+  }
+
   SharedRecording recording_;
+  std::shared_ptr<const OpenRecording> opened_;
   std::unique_ptr<EventStream> events_;
   std::vector<StaticTransform> transforms_;
   std::size_t given_ = 0;
@@ -57,20 +74,22 @@ class EventIterator {
 
 std::unique_ptr<EventIterator> iterate(const std::shared_ptr<RecordingFile>& recording,
                                        const std::optional<std::vector<std::string>>& names) {
-  const py::gil_scoped_release released;
-  std::vector<std::size_t> topics;
-  if (!names) {
-    return std::make_unique<EventIterator>(recording, recording->mapped_events(),
-                                           recording->transforms());
-  }
-  for (const std::string& name : *names) {
-    topics.push_back(recording->topic_named(name));
-  }
-  if (topics.empty()) {
-    throw py::value_error("topics: none is named");
-  }
-  return std::make_unique<EventIterator>(recording, recording->events(topics),
-                                         std::vector<StaticTransform>{});
+  return without_gil([&] {
+    const std::shared_ptr<const OpenRecording> opened = recording->opened();
+    if (!names) {
+      return std::make_unique<EventIterator>(recording, opened, opened->mapped_events(),
+                                             opened->transforms());
+    }
+    std::vector<std::size_t> topics;
+    for (const std::string& name : *names) {
+      topics.push_back(opened->topic_named(name));
+    }
+    if (topics.empty()) {
+      throw py::value_error("topics: none is named");
+    }
+    return std::make_unique<EventIterator>(recording, opened, opened->events(topics),
+                                           std::vector<StaticTransform>{});
+  });
 }
 
 }  // namespace
@@ -85,7 +104,7 @@ std::vector<std::size_t> SensorTopics::all() const {
   return topics;
 }
 
-RecordingFile::RecordingFile(const std::filesystem::path& path, const Config& config, bool strict)
+OpenRecording::OpenRecording(const std::filesystem::path& path, const Config& config, bool strict)
     : path_(path), config_(config), recording_(open_recording(path, config.recording)) {
   if (!strict) {
     whole_ = pass_over_damage(*recording_, [this](const InputError& error) {
@@ -97,7 +116,7 @@ RecordingFile::RecordingFile(const std::filesystem::path& path, const Config& co
   }
 }
 
-SensorTopics RecordingFile::sensors() const {
+SensorTopics OpenRecording::sensors() const {
   const std::lock_guard lock(mutex_);
   if (!sensors_) {
     const std::size_t sweeps = sweep_topic(*recording_, path_, config_.recording.sweep_topic);
@@ -114,13 +133,13 @@ SensorTopics RecordingFile::sensors() const {
   return *sensors_;
 }
 
-std::vector<StaticTransform> RecordingFile::transforms() const {
+std::vector<StaticTransform> OpenRecording::transforms() const {
   static_cast<void>(sensors());  // which looks them up
   const std::lock_guard lock(mutex_);
   return transforms_;
 }
 
-std::size_t RecordingFile::topic_named(const std::string& name) const {
+std::size_t OpenRecording::topic_named(const std::string& name) const {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < topics().size(); ++i) {
     if (topics()[i].name == name) {
@@ -131,18 +150,44 @@ std::size_t RecordingFile::topic_named(const std::string& name) const {
   throw UsageError("there is no topic '" + name + "'. " + suggestion(name, names) + ".");
 }
 
-std::unique_ptr<EventStream> RecordingFile::events(const std::vector<std::size_t>& topics) const {
+std::unique_ptr<EventStream> OpenRecording::events(const std::vector<std::size_t>& topics) const {
   return (whole_ ? *whole_ : *recording_).events({.topics = topics});
 }
 
-std::unique_ptr<EventStream> RecordingFile::mapped_events() const {
+std::unique_ptr<EventStream> OpenRecording::mapped_events() const {
   const SensorTopics chosen = sensors();
   return merged_->events({.topics = chosen.all(), .velocities_of = chosen.velocity});
 }
 
-std::vector<std::string> RecordingFile::damage() const {
+std::vector<std::string> OpenRecording::damage() const {
   const std::lock_guard lock(mutex_);
   return damage_;
+}
+
+std::shared_ptr<const OpenRecording> RecordingFile::opened() const {
+  const std::lock_guard lock(mutex_);
+  if (!opened_) {
+    throw py::value_error(path_.string() + ": the recording is closed");
+  }
+  return opened_;
+}
+
+bool RecordingFile::closed() const {
+  const std::lock_guard lock(mutex_);
+  return opened_ == nullptr;
+}
+
+void RecordingFile::close() {
+  const std::lock_guard lock(mutex_);
+  if (opened_) {
+    damage_ = opened_->damage();
+    opened_.reset();
+  }
+}
+
+std::vector<std::string> RecordingFile::damage() const {
+  const std::lock_guard lock(mutex_);
+  return opened_ ? opened_->damage() : damage_;
 }
 
 void bind_recording(py::module_& module) {
@@ -153,6 +198,7 @@ void bind_recording(py::module_& module) {
           "kind", [](const Topic& self) { return std::string(to_string(self.kind)); },
           "sweeps, imu, gnss, velocities, poses, transforms or other.")
       .def_readonly("messages", &Topic::messages, "How many there are; None: it is not told.")
+      .def(pickling<Topic>())
       .def("__repr__", [](const Topic& self) {
         return "<adit.Topic " + self.name + ": " + std::string(to_string(self.kind)) + ">";
       });
@@ -170,23 +216,25 @@ void bind_recording(py::module_& module) {
           "config", [](const RecordingFile& self) { return self.config(); },
           "The configuration that it was opened with.")
       .def_property_readonly(
-          "topics", [](const RecordingFile& self) { return self.topics(); }, "All of its topics.")
+          "topics", [](const RecordingFile& self) { return self.opened()->topics(); },
+          "All of its topics.")
       .def_property_readonly(
-          "description", [](const RecordingFile& self) { return self.description(); },
+          "description", [](const RecordingFile& self) { return self.opened()->description(); },
           "One line: what was recognised, and how much it is.")
       .def_property_readonly(
-          "times_are_assumed", [](const RecordingFile& self) { return self.times_are_assumed(); },
+          "times_are_assumed",
+          [](const RecordingFile& self) { return self.opened()->times_are_assumed(); },
           "True where nothing tells the times and 10 Hz was assumed.")
       .def_property_readonly(
           "has_imu",
           [](const RecordingFile& self) {
-            return without_gil([&] { return self.sensors().imu.has_value(); });
+            return without_gil([&] { return self.opened()->sensors().imu.has_value(); });
           },
           "True where it has an IMU that imu.use does not leave out.")
       .def_property_readonly(
           "has_gnss",
           [](const RecordingFile& self) {
-            return without_gil([&] { return self.sensors().gnss.has_value(); });
+            return without_gil([&] { return self.opened()->sensors().gnss.has_value(); });
           },
           "True where it has GNSS fixes that gnss.use does not leave out.")
       .def_property_readonly(
@@ -200,20 +248,34 @@ void bind_recording(py::module_& module) {
           "step of the iterator goes on behind it. UsageError: no such topic.")
       .def("__iter__",
            [](const std::shared_ptr<RecordingFile>& self) { return iterate(self, std::nullopt); })
-      .def("__repr__",
-           [](const RecordingFile& self) { return "<adit.Recording " + self.description() + ">"; });
+      .def(
+          "close", [](RecordingFile& self) { without_gil([&] { self.close(); }); },
+          "Closes its files; `with adit.open(...) as recording` does at the end of the block. What\n"
+          "reads it then raises ValueError; path, config and damage stay.")
+      .def_property_readonly("closed", &RecordingFile::closed, "True once it is closed.")
+      .def("__enter__", [](const py::object& self) { return self; })
+      .def("__exit__", [](RecordingFile& self,
+                          const py::args&) { without_gil([&] { self.close(); }); })
+      .def("__repr__", [](const RecordingFile& self) {
+        return "<adit.Recording " +
+               (self.closed() ? "closed: " + self.path().string() : self.opened()->description()) +
+               ">";
+      });
   module.def(
       "open",
       [](const std::filesystem::path& path, const py::object& config, bool strict) {
         const Config wanted = config_of(config);
-        const py::gil_scoped_release released;
-        return std::make_shared<RecordingFile>(path, wanted, strict);
+        return without_gil([&] {
+          return std::make_shared<RecordingFile>(
+              std::make_shared<OpenRecording>(path, wanted, strict));
+        });
       },
       py::arg("path"), py::arg("config") = py::none(), py::kw_only(), py::arg("strict") = false,
       "Opens an MCAP file, a ROS 1 bag, a rosbag2 folder, a capture of packets, or a folder or "
       "file\n"
       "of sweeps. config: as Config() takes it; its section \"recording\" corrects what the\n"
-      "recording tells wrong. strict: raise at damage instead of passing over it. InputError.");
+      "recording tells wrong. strict: raise at damage instead of passing over it. InputError.\n"
+      "`with adit.open(path) as recording:` closes it at the end of the block.");
 }
 
 }  // namespace adit::python

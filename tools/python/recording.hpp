@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <pybind11/pybind11.h>
@@ -32,10 +33,10 @@ struct SensorTopics {
   std::vector<std::size_t> all() const;
 };
 
-class RecordingFile {
+class OpenRecording {
  public:
   /// Throws InputError.
-  RecordingFile(const std::filesystem::path& path, const Config& config, bool strict);
+  OpenRecording(const std::filesystem::path& path, const Config& config, bool strict);
 
   const std::filesystem::path& path() const { return path_; }
   const Config& config() const { return config_; }
@@ -66,6 +67,30 @@ class RecordingFile {
   mutable std::optional<OneSensorRecording> mapped_;  ///< with sensors_
   mutable std::optional<MergedRecording> merged_;     ///< the same, of all range sensors
   mutable std::vector<StaticTransform> transforms_;   ///< with sensors_
+};
+
+/// The recording as Python has it, which may close it. Its files are closed once nothing that still
+/// reads them is left.
+class RecordingFile {
+ public:
+  explicit RecordingFile(std::shared_ptr<const OpenRecording> opened)
+      : path_(opened->path()), config_(opened->config()), opened_(std::move(opened)) {}
+
+  const std::filesystem::path& path() const { return path_; }
+  const Config& config() const { return config_; }
+  /// Throws ValueError once it is closed.
+  std::shared_ptr<const OpenRecording> opened() const;
+  bool closed() const;
+  void close();
+  /// Also once it is closed.
+  std::vector<std::string> damage() const;
+
+ private:
+  std::filesystem::path path_;
+  Config config_;
+  mutable std::mutex mutex_;
+  std::shared_ptr<const OpenRecording> opened_;  ///< null: closed
+  std::vector<std::string> damage_;              ///< of a closed one
 };
 
 void bind_recording(py::module_& module);

@@ -10,6 +10,7 @@
 
 #include "adit/slam/odometry/odometry.hpp"
 #include "adit/tools/python/arrays.hpp"
+#include "adit/tools/python/pickling.hpp"
 #include "adit/tools/report/run_statistics.hpp"
 
 namespace adit::python {
@@ -37,7 +38,8 @@ void bind_registration(py::module_& module) {
           [](const ObservedDirection& self) { return std::string(to_string(self.localizability)); },
           "full, partial or none.")
       .def_readonly("information", &ObservedDirection::information,
-                    "1/m^2 or 1/rad^2, the other directions free.");
+                    "1/m^2 or 1/rad^2, the other directions free.")
+      .def(pickling<ObservedDirection>());
   using Result = RegistrationResult;
   py::class_<Result>(module, "RegistrationResult", "How an alignment ended, at its final pose.")
       .def_property_readonly(
@@ -59,7 +61,8 @@ void bind_registration(py::module_& module) {
           "Directions of translation, weakest first; empty where none was assessed.")
       .def_property_readonly(
           "rotation", [](const Result& self) { return directions(self.rotation); },
-          "Axes of rotation, weakest first.");
+          "Axes of rotation, weakest first.")
+      .def(pickling<Result>());
 }
 
 void bind_inertial(py::module_& module) {
@@ -98,7 +101,8 @@ void bind_inertial(py::module_& module) {
           "gravity\n"
           "(2), scale (1) and turn (2) of a sensor of velocities; m, rad, m/s, rad/s, m/s^2, rad, "
           "1,\n"
-          "rad. None where it is not fused.");
+          "rad. None where it is not fused.")
+      .def(pickling<Report>());
 }
 
 }  // namespace
@@ -147,6 +151,7 @@ void bind_results(py::module_& module) {
           "cloud",
           [](const py::object& self) { return view_of(self.cast<const Result&>().cloud, self); },
           "(n, 4) float32, keyframes only: the down-sampled sweep, lidar axes, m; a view.")
+      .def(pickling<Result>())
       .def("__repr__", [](const Result& self) {
         const Eigen::Vector3d p = self.T_map_lidar.translation();
         return fmt::format("<adit.SweepResult {} at ({:.3f}, {:.3f}, {:.3f}) m>",

@@ -14,6 +14,7 @@
 #include "adit/tools/python/configuration.hpp"
 #include "adit/tools/python/gil.hpp"
 #include "adit/tools/python/measurements.hpp"
+#include "adit/tools/python/pickling.hpp"
 #include "adit/tools/python/slam_session.hpp"
 
 namespace adit::python {
@@ -21,6 +22,7 @@ namespace {
 
 using SharedSlam = std::shared_ptr<SlamSession>;
 
+// Without checks for signals: what was taken from the Slam would be lost.
 std::vector<SlamResult> due(SlamSession& slam) {
   std::vector<SlamResult> results;
   while (std::optional<SlamResult> result = slam.next()) {
@@ -71,7 +73,7 @@ SharedSlam make_for(const RecordingFile& recording, const std::optional<std::fil
   return without_gil([&] {
     return std::make_shared<SlamSession>(
         std::move(on), recording.config(),
-        SessionOptions{.inertial = recording.sensors().imu.has_value(),
+        SessionOptions{.inertial = recording.opened()->sensors().imu.has_value(),
                        .high_rate_smoothing = high_rate_smoothing,
                        .map = map,
                        .name = recording.path().filename().string(),
@@ -109,6 +111,7 @@ void bind_slam_results(py::module_& module) {
             return view_of(self.cast<const SweepPlaced&>().sweep.points, self);
           },
           "(n, 4) float32: the sweep as it came, lidar axes, m, and intensity; a view.")
+      .def(pickling<SweepPlaced>())
       .def("__repr__", [](const SweepPlaced& self) {
         const Eigen::Vector3d p = self.result.T_map_lidar.translation();
         return fmt::format("<adit.SweepPlaced {} at ({:.3f}, {:.3f}, {:.3f}) m>",
@@ -122,7 +125,8 @@ void bind_slam_results(py::module_& module) {
           "stamp", [](const SweepLeftOut& self) { return self.sweep.stamp.count(); }, "ns.")
       .def_property_readonly(
           "last", [](const SweepLeftOut& self) { return self.last.count(); },
-          "Stamp of the sweep before it, ns.");
+          "Stamp of the sweep before it, ns.")
+      .def(pickling<SweepLeftOut>());
   py::class_<LidarMotion>(module, "LidarMotion", "The lidar at the time of an IMU sample.")
       .def_property_readonly(
           "stamp", [](const LidarMotion& self) { return self.stamp.count(); }, "ns.")
@@ -138,13 +142,15 @@ void bind_slam_results(py::module_& module) {
           "(3,), rad/s, lidar axes.")
       .def_property_readonly(
           "covariance", [](const LidarMotion& self) { return array_of(self.covariance); },
-          "(9, 9), of translation, rotation (lidar axes) and velocity (map axes).");
+          "(9, 9), of translation, rotation (lidar axes) and velocity (map axes).")
+      .def(pickling<LidarMotion>());
   py::class_<ReadingTaken>(module, "ReadingTaken", "What became of an IMU sample is known.")
       .def_property_readonly(
           "arrival", [](const ReadingTaken& self) { return std::string(to_string(self.arrival)); },
           "appended, inserted, or why it was dropped.")
       .def_readonly("motion", &ReadingTaken::motion,
-                    "A LidarMotion; None where high-rate odometry is not wanted or not known.");
+                    "A LidarMotion; None where high-rate odometry is not wanted or not known.")
+      .def(pickling<ReadingTaken>());
 }
 
 void bind_reports(py::module_& module) {
@@ -161,13 +167,15 @@ void bind_reports(py::module_& module) {
       .def_property_readonly(
           "end", [](const DoubtfulStretch& self) { return self.end.count(); },
           "Stamp of its last sweep, ns.")
-      .def_readonly("distance", &DoubtfulStretch::distance, "Travelled in it, m.");
+      .def_readonly("distance", &DoubtfulStretch::distance, "Travelled in it, m.")
+      .def(pickling<DoubtfulStretch>());
   py::class_<Verdict>(module, "Verdict",
                       "What a trajectory is worth: as much as its worst stretch.")
       .def_property_readonly(
           "trust", [](const Verdict& self) { return std::string(to_string(self.trust)); },
           "reliable, doubtful or lost.")
-      .def_readonly("stretches", &Verdict::stretches, "What is not reliable, and why.");
+      .def_readonly("stretches", &Verdict::stretches, "What is not reliable, and why.")
+      .def(pickling<Verdict>());
   py::class_<MapReport>(module, "MapReport", "What has become of a map.")
       .def_readonly("keyframes", &MapReport::keyframes)
       .def_readonly("sweeps", &MapReport::sweeps)
@@ -185,7 +193,8 @@ void bind_reports(py::module_& module) {
           "GNSS fixes that fall among its sweeps.")
       .def_property_readonly(
           "georeferenced", [](const MapReport& self) { return self.gnss.georeference.has_value(); },
-          "True where its place on the Earth is known.");
+          "True where its place on the Earth is known.")
+      .def(pickling<MapReport>());
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "adit/tools/python/gil.hpp"
 #include "adit/tools/run/earlier_run.hpp"
 #include "adit/tools/setup/config_file.hpp"
 
@@ -121,16 +122,16 @@ std::optional<MapReport> SlamSession::finish_map() {
 
 PlacedSweeps::PlacedSweeps(std::shared_ptr<SlamSession> slam,
                            std::shared_ptr<const RecordingFile> recording)
-    : slam_(std::move(slam)), recording_(std::move(recording)) {
-  events_ = recording_->mapped_events();
-  for (const StaticTransform& transform : recording_->transforms()) {
+    : slam_(std::move(slam)), recording_(std::move(recording)), opened_(recording_->opened()) {
+  events_ = opened_->mapped_events();
+  for (const StaticTransform& transform : opened_->transforms()) {
     slam_->add(transform);
   }
 }
 
 std::optional<SweepPlaced> PlacedSweeps::next() {
   const std::lock_guard lock(mutex_);
-  while (true) {
+  for (const Checkpoint checkpoint = signal_checks();; checkpoint()) {
     while (std::optional<SlamResult> result = slam_->next()) {
       if (auto* placed = std::get_if<SweepPlaced>(&*result)) {
         return std::move(*placed);
@@ -139,6 +140,7 @@ std::optional<SweepPlaced> PlacedSweeps::next() {
     if (ended_) {
       return std::nullopt;
     }
+    static_cast<void>(recording_->opened());  // throws where it is closed
     std::optional<Event> event = events_->next();
     if (!event) {
       ended_ = true;

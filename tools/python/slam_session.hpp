@@ -68,6 +68,7 @@ class PlacedSweeps {
   std::mutex mutex_;
   std::shared_ptr<SlamSession> slam_;
   std::shared_ptr<const RecordingFile> recording_;
+  std::shared_ptr<const OpenRecording> opened_;
   std::unique_ptr<EventStream> events_;
   bool ended_ = false;
 };

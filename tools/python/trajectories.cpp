@@ -17,6 +17,7 @@
 #include "adit/tools/evaluation/trajectory_source.hpp"
 #include "adit/tools/python/arrays.hpp"
 #include "adit/tools/python/gil.hpp"
+#include "adit/tools/python/pickling.hpp"
 
 namespace adit::python {
 namespace {
@@ -25,7 +26,7 @@ Trajectory make_trajectory(const py::object& stamps, const py::object& poses) {
   const py::module_ numpy = py::module_::import("numpy");
   const py::array times = numpy.attr("asarray")(stamps);
   const py::array matrices = numpy.attr("asarray")(poses);
-  if (times.ndim() != 1 || times.dtype().kind() != 'i') {
+  if (times.ndim() != 1 || (times.dtype().kind() != 'i' && times.dtype().kind() != 'u')) {
     throw py::value_error("stamps: (n,) whole numbers are expected, ns");
   }
   if (matrices.ndim() != 3 || matrices.shape(0) != times.shape(0)) {
@@ -88,6 +89,7 @@ void bind_evaluation(py::module_& module) {
       .def_readonly("std", &Statistics::std)
       .def_readonly("min", &Statistics::min)
       .def_readonly("max", &Statistics::max)
+      .def(pickling<Statistics>())
       .def("__repr__", [](const Statistics& self) {
         return fmt::format("<adit.Statistics rmse {:.6g} of {}>", self.rmse, self.count);
       });
@@ -115,7 +117,12 @@ void bind_evaluation(py::module_& module) {
           [](const Evaluation& self) {
             return py::module_::import("json").attr("loads")(evaluation_json(self, {}, {}));
           },
-          "Everything that `adit evaluate --json` reports of a trajectory.");
+          "Everything that `adit evaluate --json` reports of a trajectory.")
+      .def(pickling<Evaluation>())
+      .def("__repr__", [](const Evaluation& self) {
+        return fmt::format("<adit.Evaluation ATE {:.6g} m rmse of {} pairs>", self.ate.rmse,
+                           self.association.pairs);
+      });
   module.def(
       "evaluate", &evaluated, py::arg("estimate"), py::arg("truth"), py::kw_only(),
       py::arg("align") = "se3", py::arg("tolerance") = EvaluationOptions{}.tolerance,
@@ -187,6 +194,7 @@ void bind_trajectories(py::module_& module) {
           "parts", [](const Trajectory& self) { return self.parts; },
           "Where parts begin that nothing ties to what comes before, but for the first.")
       .def("__len__", [](const Trajectory& self) { return self.poses.size(); })
+      .def(pickling<Trajectory>())
       .def("__repr__", [](const Trajectory& self) {
         return fmt::format("<adit.Trajectory of {} poses>", self.poses.size());
       });
