@@ -379,8 +379,7 @@ std::vector<CloudAlignment> CloudAligner::align(std::span<const CloudPair> pairs
   return alignments;
 }
 
-std::vector<CloudAlignment> CloudAligner::align_some(Size& size,
-                                                     std::span<const CloudPair> pairs,
+std::vector<CloudAlignment> CloudAligner::align_some(Size& size, std::span<const CloudPair> pairs,
                                                      const Checkpoint& checkpoint) const {
   std::vector<CloudAlignment> alignments(pairs.size());
   std::vector<std::vector<Eigen::Isometry3d>> poses(pairs.size());

@@ -319,12 +319,11 @@ void bind_clouds(py::module_& module) {
           "0: by each cloud's extent, 0.05 to 0.25. min_overlap: share of b's points that must "
           "lie\n"
           "on a. device: None, a name or a Device. ValueError, DeviceError.")
-      .def(
-          "align", &align, py::arg("a"), py::arg("b"), py::arg("guess") = py::none(),
-          "a, b: (n, 3) or (n, 4), m; NaN and 0 0 0 are dropped. Arrays of any number type and\n"
-          "layout and lists are taken, and copied once. guess: (4, 4), T_a_b to some 2 m\n"
-          "and 20 degrees; None: it is searched for, which wants clouds with z up. Returns an\n"
-          "Alignment. TypeError, ValueError, DeviceError (more points than fit).")
+      .def("align", &align, py::arg("a"), py::arg("b"), py::arg("guess") = py::none(),
+           "a, b: (n, 3) or (n, 4), m; NaN and 0 0 0 are dropped. Arrays of any number type and\n"
+           "layout and lists are taken, and copied once. guess: (4, 4), T_a_b to some 2 m\n"
+           "and 20 degrees; None: it is searched for, which wants clouds with z up. Returns an\n"
+           "Alignment. TypeError, ValueError, DeviceError (more points than fit).")
       .def(
           "align_batch", &align_batch, py::arg("pairs"),
           "Many pairs at once: (a, b) or (a, b, guess) each. An array that several pairs share is\n"

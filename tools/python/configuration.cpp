@@ -164,10 +164,9 @@ void bind_configuration(py::module_& module) {
           "to_dict", [](const Config& config) { return value_of(to_json(config)); },
           "All settings by section; what is not given is None.")
       .def("to_toml", &to_toml, "The whole configuration as `adit config` prints it.")
-      .def(py::pickle([](const Config& config) { return state_of(py::str(to_toml(config))); },
-                      [](const py::tuple& state) {
-                        return parse_config(content_of(state), "pickled Config");
-                      }))
+      .def(py::pickle(
+          [](const Config& config) { return state_of(py::str(to_toml(config))); },
+          [](const py::tuple& state) { return parse_config(content_of(state), "pickled Config"); }))
       .def("__eq__",
            [](const Config& a, const py::object& b) {
              return py::isinstance<Config>(b) && to_toml(a) == to_toml(b.cast<const Config&>());

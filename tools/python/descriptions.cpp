@@ -131,9 +131,8 @@ std::string describe_function(const py::handle& object) {
 
 /// Of a class Python reads it out of the text that the class was made with.
 void describe_class(PyTypeObject* type, const std::string& signature) {
-  const std::string name = py::handle(reinterpret_cast<PyObject*>(type))
-                               .attr("__name__")
-                               .cast<std::string>();
+  const std::string name =
+      py::handle(reinterpret_cast<PyObject*>(type)).attr("__name__").cast<std::string>();
   const std::string whole = name + signature + kSignatureEnd + (type->tp_doc ? type->tp_doc : "");
 #if PY_VERSION_HEX >= 0x030D0000
   void* text = PyMem_Malloc(whole.size() + 1);
@@ -204,7 +203,7 @@ void describe_all(py::module_& module) {
     }
     // Without its "self"; a class that Python cannot make takes whatever it is given, and raises.
     const std::size_t comma = constructor.find(", ");
-    describe_class(type, constructor.empty()              ? "(*args, **kwargs)"
+    describe_class(type, constructor.empty()          ? "(*args, **kwargs)"
                          : comma == std::string::npos ? "()"
                                                       : "(" + constructor.substr(comma + 2));
     if (!members.contains("__repr__")) {

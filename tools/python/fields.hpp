@@ -24,13 +24,15 @@ inline std::tuple<> fields(const auto&, Number<0>) {
 template <class Struct, std::size_t Count>
 inline constexpr bool kTakes = false;
 #define ADIT_UNWRAP(...) __VA_ARGS__
-#define ADIT_FIELDS(count, names, braces)                      \
-  template <class Struct>                                      \
-    requires requires { Struct{ADIT_UNWRAP braces}; }          \
-  inline constexpr bool kTakes<Struct, count> = true;          \
-  auto fields(auto& value, Number<count>) {                    \
-    auto& [ADIT_UNWRAP names] = value;                         \
-    return std::tie(ADIT_UNWRAP names);                        \
+#define ADIT_FIELDS(count, names, braces)             \
+  template <class Struct>                             \
+  requires requires {                                 \
+    Struct{ADIT_UNWRAP braces};                       \
+  }                                                   \
+  inline constexpr bool kTakes<Struct, count> = true; \
+  auto fields(auto& value, Number<count>) {           \
+    auto& [ADIT_UNWRAP names] = value;                \
+    return std::tie(ADIT_UNWRAP names);               \
   }
 // clang-format off
 ADIT_FIELDS(1, (a), ({}))

@@ -40,10 +40,8 @@ inline constexpr bool kIsPlain = (std::is_arithmetic_v<Value> && !std::is_same_v
 class ByteWriter {
  public:
   template <class Value>
-    requires kIsPlain<Value>
-  void put(const Value& value) {
-    put_block(&value, sizeof(value));
-  }
+  requires kIsPlain<Value>
+  void put(const Value& value) { put_block(&value, sizeof(value)); }
   void put(bool value) { put(static_cast<uint8_t>(value ? 1 : 0)); }
   void put(const std::string& text) {
     put(uint64_t{text.size()});
@@ -98,8 +96,7 @@ class ByteWriter {
     std::visit([this](const auto& held) { put(held); }, value);
   }
   template <class Struct>
-    requires(std::is_aggregate_v<Struct> && !kIsPlain<Struct>)
-  void put(const Struct& value) {
+  requires(std::is_aggregate_v<Struct> && !kIsPlain<Struct>) void put(const Struct& value) {
     std::apply([this](const auto&... field) { (put(field), ...); }, fields(value));
   }
 
@@ -119,10 +116,8 @@ class ByteReader {
   explicit ByteReader(std::string_view bytes) : left_(bytes) {}
 
   template <class Value>
-    requires kIsPlain<Value>
-  void get(Value& value) {
-    get_block(&value, sizeof(value));
-  }
+  requires kIsPlain<Value>
+  void get(Value& value) { get_block(&value, sizeof(value)); }
   void get(bool& value) {
     uint8_t number = 0;
     get(number);
@@ -197,8 +192,7 @@ class ByteReader {
     get_alternative<0>(value, index);
   }
   template <class Struct>
-    requires(std::is_aggregate_v<Struct> && !kIsPlain<Struct>)
-  void get(Struct& value) {
+  requires(std::is_aggregate_v<Struct> && !kIsPlain<Struct>) void get(Struct& value) {
     std::apply([this](auto&... field) { (get(field), ...); }, fields(value));
   }
 
@@ -251,9 +245,10 @@ inline std::string content_of(const py::tuple& state) {
     throw py::value_error("the pickled state is none of adit's");
   }
   if (const auto made_by = state[0].cast<std::string>(); made_by != version()) {
-    throw py::value_error(fmt::format("pickled by adit {}, this is {}. Pickles go from process to "
-                                      "process of one version; write files to keep results",
-                                      made_by, version()));
+    throw py::value_error(
+        fmt::format("pickled by adit {}, this is {}. Pickles go from process to "
+                    "process of one version; write files to keep results",
+                    made_by, version()));
   }
   return state[1].cast<std::string>();
 }

@@ -90,7 +90,7 @@ SimulationSummary simulated(const std::string& scene, const std::filesystem::pat
   if (wanted.perfect) {
     lidar.effects = {.noise = false, .dropout = false, .mixed_pixels = false, .dust = false};
   }
-  return simulate(options, [check = signal_checks()](std::size_t, std::size_t) { check(); });
+  return simulate(options, {}, signal_checks());
 }
 
 }  // namespace
@@ -122,7 +122,8 @@ void bind_program(py::module_& module) {
       "NAME.truth.tum is T_world_lidar. scene: a name, or the path of a TOML file that says\n"
       "everything; `adit simulate --help` lists the names of scenes, sensors, trajectories, IMUs,\n"
       "receivers and faults. duration: s. speed: m/s. perfect: a range sensor without errors.\n"
-      "None: the program's default. The same arguments give the same bytes on any machine.\n"
+      "None: the program's default. The same arguments give the same bytes on any machine. Ctrl-C\n"
+      "leaves unfinished files.\n"
       "UsageError: a name that does not exist. InputError, OutputError.");
   module.def(
       "run_program", &run_program, py::arg("arguments"),

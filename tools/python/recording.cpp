@@ -250,12 +250,13 @@ void bind_recording(py::module_& module) {
            [](const std::shared_ptr<RecordingFile>& self) { return iterate(self, std::nullopt); })
       .def(
           "close", [](RecordingFile& self) { without_gil([&] { self.close(); }); },
-          "Closes its files; `with adit.open(...) as recording` does at the end of the block. What\n"
+          "Closes its files; `with adit.open(...) as recording` does at the end of the block. "
+          "What\n"
           "reads it then raises ValueError; path, config and damage stay.")
       .def_property_readonly("closed", &RecordingFile::closed, "True once it is closed.")
       .def("__enter__", [](const py::object& self) { return self; })
-      .def("__exit__", [](RecordingFile& self,
-                          const py::args&) { without_gil([&] { self.close(); }); })
+      .def("__exit__",
+           [](RecordingFile& self, const py::args&) { without_gil([&] { self.close(); }); })
       .def("__repr__", [](const RecordingFile& self) {
         return "<adit.Recording " +
                (self.closed() ? "closed: " + self.path().string() : self.opened()->description()) +

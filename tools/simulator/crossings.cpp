@@ -7,7 +7,8 @@
 namespace adit {
 
 std::vector<Crossing> find_crossings(const std::function<Eigen::Isometry3d(double)>& T_world_sensor,
-                                     double duration, const RayScene& still) {
+                                     double duration, const RayScene& still,
+                                     const Checkpoint& checkpoint) {
   constexpr double kStep = 0.02;    // s
   constexpr double kApart = 0.5;    // s
   constexpr double kAtRest = 1e-6;  // m
@@ -16,6 +17,7 @@ std::vector<Crossing> find_crossings(const std::function<Eigen::Isometry3d(doubl
   double last = -kApart;
   Eigen::Vector3d from = T_world_sensor(0.0).translation();
   for (int i = 1; kStep * i <= duration; ++i) {
+    pass(checkpoint);
     const double time = kStep * i;
     const Eigen::Vector3d to = T_world_sensor(time).translation();
     const double length = std::sqrt((to - from).squaredNorm());

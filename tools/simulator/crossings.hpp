@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "adit/slam/core/checkpoint.hpp"
 #include "adit/tools/simulator/ray_scene.hpp"
 
 namespace adit {
@@ -20,6 +21,7 @@ struct Crossing {
 /// Every surface of what stands still that the origin of T_world_sensor(t) passes through within
 /// `duration` (s); those less than half a second apart count once.
 std::vector<Crossing> find_crossings(const std::function<Eigen::Isometry3d(double)>& T_world_sensor,
-                                     double duration, const RayScene& still);
+                                     double duration, const RayScene& still,
+                                     const Checkpoint& checkpoint = {});
 
 }  // namespace adit

@@ -92,37 +92,45 @@ double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
 
 std::vector<LoopPair> find_loops(const PoseAtTime& T_world_lidar, double duration,
                                  std::span<const Vector3d> directions, const RayScene& still,
-                                 const LoopOptions& options) {
+                                 const LoopOptions& options, const Checkpoint& checkpoint) {
   std::vector<Viewpoint> places = places_of(T_world_lidar, duration, options);
-  in_parallel(places.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      look_around(places[i], directions, still, options.range);
-    }
-  });
+  in_parallel(
+      places.size(), 1,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          look_around(places[i], directions, still, options.range);
+        }
+      },
+      checkpoint);
   std::vector<std::vector<LoopPair>> found(places.size());
-  in_parallel(places.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
-      const Viewpoint& later = places[b];
-      for (std::size_t a = 0; a < b; ++a) {
-        const Viewpoint& earlier = places[a];
-        const double distance =
-            length_of(later.T_world_lidar.translation() - earlier.T_world_lidar.translation());
-        const double path = later.path - earlier.path;
-        if (path < options.apart || path < options.detour * distance || distance > options.reach) {
-          continue;
+  in_parallel(
+      places.size(), 1,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b) {
+          const Viewpoint& later = places[b];
+          for (std::size_t a = 0; a < b; ++a) {
+            const Viewpoint& earlier = places[a];
+            const double distance =
+                length_of(later.T_world_lidar.translation() - earlier.T_world_lidar.translation());
+            const double path = later.path - earlier.path;
+            if (path < options.apart || path < options.detour * distance ||
+                distance > options.reach) {
+              continue;
+            }
+            const double overlap = std::min(share_in_sight(earlier, later, still, options.range),
+                                            share_in_sight(later, earlier, still, options.range));
+            if (overlap >= options.overlap) {
+              found[b].push_back(
+                  {.time_a = earlier.time,
+                   .time_b = later.time,
+                   .distance = distance,
+                   .angle = angle_between(earlier.T_world_lidar, later.T_world_lidar),
+                   .overlap = overlap});
+            }
+          }
         }
-        const double overlap = std::min(share_in_sight(earlier, later, still, options.range),
-                                        share_in_sight(later, earlier, still, options.range));
-        if (overlap >= options.overlap) {
-          found[b].push_back({.time_a = earlier.time,
-                              .time_b = later.time,
-                              .distance = distance,
-                              .angle = angle_between(earlier.T_world_lidar, later.T_world_lidar),
-                              .overlap = overlap});
-        }
-      }
-    }
-  });
+      },
+      checkpoint);
   std::vector<LoopPair> loops;
   for (const std::vector<LoopPair>& part : found) {
     loops.insert(loops.end(), part.begin(), part.end());

@@ -11,6 +11,7 @@
 
 #include <Eigen/Geometry>
 
+#include "adit/slam/core/checkpoint.hpp"
 #include "adit/tools/simulator/ray_scene.hpp"
 
 namespace adit {
@@ -43,7 +44,8 @@ struct LoopPair {
 /// `directions` (unit length, lidar) are those in which the sensor looks; what moves is left out.
 std::vector<LoopPair> find_loops(const PoseAtTime& T_world_lidar, double duration,
                                  std::span<const Eigen::Vector3d> directions, const RayScene& still,
-                                 const LoopOptions& options = {});
+                                 const LoopOptions& options = {},
+                                 const Checkpoint& checkpoint = {});
 
 /// Writes them as CSV with a head line, times counted from `epoch` (s). Throws OutputError.
 void write_loops(const std::filesystem::path& file, std::span<const LoopPair> loops, double epoch);

@@ -169,7 +169,8 @@ MotionStyle motion_named(std::string_view name) {
 }
 
 SplineTrajectory make_trajectory(const Scene& scene, const MotionStyle& style, double duration,
-                                 std::optional<double> speed, double begin) {
+                                 std::optional<double> speed, double begin,
+                                 const Checkpoint& checkpoint) {
   const Path path(scene);
   const double usual = style.speed > 0.0 ? style.speed : scene.speed * style.speed_scale;
   const double full = speed.value_or(usual);
@@ -177,6 +178,7 @@ SplineTrajectory make_trajectory(const Scene& scene, const MotionStyle& style, d
   std::vector<Eigen::Isometry3d> poses;
   double distance = begin;
   for (int i = -1; i < count; ++i) {
+    pass(checkpoint);
     const double time = kControlSpacing * i;
     poses.push_back(body_pose(path, style, scene, distance, time));
     if (!poses.back().matrix().allFinite()) {

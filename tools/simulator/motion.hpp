@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "adit/slam/core/checkpoint.hpp"
 #include "adit/tools/simulator/scene.hpp"
 #include "adit/tools/simulator/spline.hpp"
 
@@ -40,7 +41,8 @@ MotionStyle motion_named(std::string_view name);
 /// beyond in s; `speed` in m/s where it is not the scene's. Throws UsageError where the way has no
 /// direction.
 SplineTrajectory make_trajectory(const Scene& scene, const MotionStyle& style, double duration,
-                                 std::optional<double> speed = std::nullopt, double begin = 0.0);
+                                 std::optional<double> speed = std::nullopt, double begin = 0.0,
+                                 const Checkpoint& checkpoint = {});
 
 /// Length of the scene's route once round (m).
 double route_length(const Scene& scene);

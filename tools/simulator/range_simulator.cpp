@@ -63,7 +63,7 @@ RangeSimulator::RangeSimulator(const Scene& scene, RangeSensor sensor, const Ran
   }
 }
 
-RangeSweep RangeSimulator::sweep(int64_t index) const {
+RangeSweep RangeSimulator::sweep(int64_t index, const Checkpoint& checkpoint) const {
   RangeSweep sweep{.start = index * sensor_.period,
                    .firings = firings_of(sensor_, index),
                    .returns = {},
@@ -72,28 +72,31 @@ RangeSweep RangeSimulator::sweep(int64_t index) const {
   const uint64_t first = static_cast<uint64_t>(index) * 1000000U;  // more than a sweep has
   const std::vector<Mover> near = movers_near(sweep);
   constexpr std::size_t kPiece = 2048;
-  in_parallel(sweep.firings.size(), kPiece, [&](std::size_t begin, std::size_t end) {
-    Eigen::Isometry3d T_world_lidar = Eigen::Isometry3d::Identity();
-    MotionState motion;
-    int64_t posed = -1;
-    for (std::size_t i = begin; i < end; ++i) {
-      const Firing& firing = sweep.firings[i];
-      const double time = 1e-9 * static_cast<double>(sweep.start + firing.time);
-      if (firing.time != posed) {
-        T_world_lidar = pose(time);
-        if (sensor_.doppler) {
-          motion = mount_.trajectory->at(time);
+  in_parallel(
+      sweep.firings.size(), kPiece,
+      [&](std::size_t begin, std::size_t end) {
+        Eigen::Isometry3d T_world_lidar = Eigen::Isometry3d::Identity();
+        MotionState motion;
+        int64_t posed = -1;
+        for (std::size_t i = begin; i < end; ++i) {
+          const Firing& firing = sweep.firings[i];
+          const double time = 1e-9 * static_cast<double>(sweep.start + firing.time);
+          if (firing.time != posed) {
+            T_world_lidar = pose(time);
+            if (sensor_.doppler) {
+              motion = mount_.trajectory->at(time);
+            }
+            posed = firing.time;
+          }
+          sweep.returns[i] = measure({.firing = &firing,
+                                      .number = first + i,
+                                      .time = time,
+                                      .motion = &motion,
+                                      .movers = &near},
+                                     T_world_lidar);
         }
-        posed = firing.time;
-      }
-      sweep.returns[i] = measure({.firing = &firing,
-                                  .number = first + i,
-                                  .time = time,
-                                  .motion = &motion,
-                                  .movers = &near},
-                                 T_world_lidar);
-    }
-  });
+      },
+      checkpoint);
   return sweep;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "adit/slam/core/checkpoint.hpp"
 #include "adit/tools/simulator/range_sensor.hpp"
 #include "adit/tools/simulator/ray_scene.hpp"
 #include "adit/tools/simulator/scene.hpp"
@@ -51,7 +52,7 @@ class RangeSimulator {
 
   /// Sweep `index`, counted from the start of the recording. The same whatever the number of
   /// threads and whichever sweeps were asked for before.
-  RangeSweep sweep(int64_t index) const;
+  RangeSweep sweep(int64_t index, const Checkpoint& checkpoint = {}) const;
 
   /// T_world_lidar at a time in s from the start of the recording.
   Eigen::Isometry3d pose(double time) const {

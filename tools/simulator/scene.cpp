@@ -32,12 +32,13 @@ constexpr double kStep = 0.05;  // s
 
 /// `way`: the carrier's positions, a step apart.
 bool comes_within(const MovingObject& object, double clearance,
-                  const std::vector<Eigen::Vector3d>& way) {
+                  const std::vector<Eigen::Vector3d>& way, const Checkpoint& checkpoint) {
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector3f& vertex : object.mesh.vertices) {
     box.extend(vertex.head<2>().cast<double>());
   }
   for (std::size_t i = 0; i < way.size(); ++i) {
+    pass(checkpoint);
     const Eigen::Vector3d carrier =
         object.T_world_object(kStep * static_cast<double>(i)).inverse() * way[i];
     if (box.squaredExteriorDistance(Eigen::Vector2d(carrier.head<2>())) < clearance * clearance) {
@@ -72,13 +73,14 @@ Scene make_scene(std::string_view name, uint64_t seed) {
 }
 
 Scene out_of_the_way(Scene scene, const std::function<Eigen::Isometry3d(double)>& T_world_body,
-                     double duration, double clearance) {
+                     double duration, double clearance, const Checkpoint& checkpoint) {
   std::vector<Eigen::Vector3d> way;
   for (double time = 0.0; !scene.moving.empty() && time <= duration; time += kStep) {
     way.emplace_back(T_world_body(time).translation());
   }
-  std::erase_if(scene.moving,
-                [&](const MovingObject& object) { return comes_within(object, clearance, way); });
+  std::erase_if(scene.moving, [&](const MovingObject& object) {
+    return comes_within(object, clearance, way, checkpoint);
+  });
   return scene;
 }
 

@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "adit/slam/core/checkpoint.hpp"
 #include "adit/tools/simulator/mesh.hpp"
 
 namespace adit {
@@ -52,7 +53,8 @@ inline constexpr double kClearance = 1.0;
 /// around it) of a carrier at T_world_body(t) at some time of `duration` (s): those are not in town
 /// that day, rather than driven through.
 Scene out_of_the_way(Scene scene, const std::function<Eigen::Isometry3d(double)>& T_world_body,
-                     double duration, double clearance = kClearance);
+                     double duration, double clearance = kClearance,
+                     const Checkpoint& checkpoint = {});
 
 Scene make_city(uint64_t seed);
 Scene make_equal_houses(uint64_t seed);

@@ -73,26 +73,31 @@ void draw_words(Image& image, const Plan& plan, const Scene& scene) {
 }  // namespace
 
 void write_scene_picture(const std::filesystem::path& file, const Scene& scene,
-                         const RayScene& still, const SplineTrajectory& trajectory) {
+                         const RayScene& still, const SplineTrajectory& trajectory,
+                         const Checkpoint& checkpoint) {
   const Plan plan(area_of(scene), kWidth, 1600);
   Image image(kWidth, plan.height + kViewHeight);
-  draw_plan(image, plan, scene, still, std::numeric_limits<double>::quiet_NaN());
+  draw_plan(image, plan, scene, still, std::numeric_limits<double>::quiet_NaN(), checkpoint);
   draw_path(image, plan, trajectory);
 
   const Eigen::Isometry3d T_world_eye = trajectory.pose(0.35 * trajectory.duration());
   constexpr double kFar = 120.0;  // m
-  in_parallel(kViewHeight, 8, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) {
-      for (int x = 0; x < kWidth; ++x) {
-        const double right = (x - 0.5 * kWidth) / (0.5 * kWidth);
-        const double down = (static_cast<double>(row) - 0.5 * kViewHeight) / (0.5 * kWidth);
-        const Vector3d direction = T_world_eye.linear() * Vector3d(1.0, -right, -down).normalized();
-        const auto hit = still.cast(T_world_eye.translation(), direction, kFar);
-        image.at(x, plan.height + static_cast<int>(row)) =
-            hit ? shaded(*hit, 0.8 * std::min(1.0, hit->distance / kFar)) : kSkyColor;
-      }
-    }
-  });
+  in_parallel(
+      kViewHeight, 8,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+          for (int x = 0; x < kWidth; ++x) {
+            const double right = (x - 0.5 * kWidth) / (0.5 * kWidth);
+            const double down = (static_cast<double>(row) - 0.5 * kViewHeight) / (0.5 * kWidth);
+            const Vector3d direction =
+                T_world_eye.linear() * Vector3d(1.0, -right, -down).normalized();
+            const auto hit = still.cast(T_world_eye.translation(), direction, kFar);
+            image.at(x, plan.height + static_cast<int>(row)) =
+                hit ? shaded(*hit, 0.8 * std::min(1.0, hit->distance / kFar)) : kSkyColor;
+          }
+        }
+      },
+      checkpoint);
   draw_words(image, plan, scene);
   write_png(file, image);
 }

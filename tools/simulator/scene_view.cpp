@@ -66,28 +66,31 @@ bool Plan::holds(const Eigen::Vector2i& pixel) const {
 }
 
 void draw_plan(Image& image, const Plan& plan, const Scene& scene, const RayScene& still,
-               double floor) {
+               double floor, const Checkpoint& checkpoint) {
   const bool has_ceiling =
       still.cast(scene.route.front() + Vector3d(0, 0, 0.5), Vector3d::UnitZ(), 30.0).has_value();
   const double top = static_cast<double>(still.bounds().max().z()) + 1.0;
   constexpr double kCut = 1.8;  // m above the floor
   constexpr Color kWall{40, 36, 34};
-  in_parallel(static_cast<std::size_t>(plan.height), 8, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) {
-      for (int x = 0; x < plan.width; ++x) {
-        const double world_x = plan.area.min().x() + (x + 0.5) * plan.scale;
-        const double world_y =
-            plan.area.min().y() + (plan.height - static_cast<double>(row) - 0.5) * plan.scale;
-        const double ground = std::isnan(floor) ? floor_at(scene, world_x, world_y) : floor;
-        const double from = has_ceiling ? ground + kCut : top;
-        const Vector3d eye(world_x, world_y, from);
-        const auto hit = still.cast(eye, -Vector3d::UnitZ(), 200.0);
-        const Color color = hit ? shaded(*hit, 0.0) : Color{250, 250, 250};
-        image.at(x, static_cast<int>(row)) =
-            has_ceiling && is_wall(still, eye, plan.scale) ? kWall : color;
-      }
-    }
-  });
+  in_parallel(
+      static_cast<std::size_t>(plan.height), 8,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+          for (int x = 0; x < plan.width; ++x) {
+            const double world_x = plan.area.min().x() + (x + 0.5) * plan.scale;
+            const double world_y =
+                plan.area.min().y() + (plan.height - static_cast<double>(row) - 0.5) * plan.scale;
+            const double ground = std::isnan(floor) ? floor_at(scene, world_x, world_y) : floor;
+            const double from = has_ceiling ? ground + kCut : top;
+            const Vector3d eye(world_x, world_y, from);
+            const auto hit = still.cast(eye, -Vector3d::UnitZ(), 200.0);
+            const Color color = hit ? shaded(*hit, 0.0) : Color{250, 250, 250};
+            image.at(x, static_cast<int>(row)) =
+                has_ceiling && is_wall(still, eye, plan.scale) ? kWall : color;
+          }
+        }
+      },
+      checkpoint);
 }
 
 }  // namespace adit

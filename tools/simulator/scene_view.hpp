@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 
+#include "adit/slam/core/checkpoint.hpp"
 #include "adit/tools/drawing/png_writer.hpp"
 #include "adit/tools/simulator/ray_scene.hpp"
 #include "adit/tools/simulator/scene.hpp"
@@ -40,6 +41,6 @@ struct Plan {
 /// Draws the scene from above, cut open 1.8 m above the floor of the route where it has a ceiling.
 /// `floor` in m; NaN: that of the part of the route that is nearest.
 void draw_plan(Image& image, const Plan& plan, const Scene& scene, const RayScene& still,
-               double floor);
+               double floor, const Checkpoint& checkpoint);
 
 }  // namespace adit

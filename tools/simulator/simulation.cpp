@@ -83,10 +83,11 @@ void check(const SimulationOptions& options) {
   }
 }
 
-std::vector<RangeSweep> sweeps_at(const std::vector<LidarTrack>& lidars, std::size_t index) {
+std::vector<RangeSweep> sweeps_at(const std::vector<LidarTrack>& lidars, std::size_t index,
+                                  const Checkpoint& checkpoint) {
   std::vector<RangeSweep> sweeps;
   for (const LidarTrack& lidar : lidars) {
-    sweeps.push_back(lidar.sweep(index));
+    sweeps.push_back(lidar.sweep(index, checkpoint));
   }
   return sweeps;
 }
@@ -123,7 +124,8 @@ ChangedScene with_changes(Scene scene, const SimulationOptions& options) {
 }
 
 /// Where the sensor comes by again; it looks in some hundred of its directions.
-std::vector<LoopPair> find_loops(const RangeSimulator& lidar, double duration) {
+std::vector<LoopPair> find_loops(const RangeSimulator& lidar, double duration,
+                                 const Checkpoint& checkpoint) {
   const std::vector<Firing> firings = firings_of(lidar.sensor(), 0);
   constexpr std::size_t kDirections = 384;
   std::vector<Eigen::Vector3d> directions;
@@ -131,7 +133,15 @@ std::vector<LoopPair> find_loops(const RangeSimulator& lidar, double duration) {
     directions.push_back(firings[i * firings.size() / kDirections].direction);
   }
   return find_loops([&](double time) { return lidar.pose(time); }, duration, directions,
-                    lidar.still());
+                    lidar.still(), {}, checkpoint);
+}
+
+std::vector<Fault> faults_of(const SimulationOptions& options) {
+  std::vector<Fault> faults;
+  for (const std::string& name : options.faults) {
+    faults.push_back(fault_named(name));
+  }
+  return faults;
 }
 
 /// Keeps the first four fifths of a file, as a recorder that was killed.
@@ -231,9 +241,9 @@ Eigen::Isometry3d lidar_mount() {
   return T_imu_lidar;
 }
 
-SimulationSummary simulate(
-    const SimulationOptions& options,
-    const std::function<void(std::size_t done, std::size_t total)>& progress) {
+SimulationSummary simulate(const SimulationOptions& options,
+                           const std::function<void(std::size_t done, std::size_t total)>& progress,
+                           const Checkpoint& checkpoint) {
   check(options);
   Scene scene = scene_of(options);
   const std::size_t movable = scene.mesh.movable.size();
@@ -241,14 +251,11 @@ SimulationSummary simulate(
   scene = std::move(changed.scene);
   const SplineTrajectory trajectory =
       make_trajectory(scene, motion_named(options.trajectory), options.duration + 0.5,
-                      options.speed, options.begin);
+                      options.speed, options.begin, checkpoint);
   scene = out_of_the_way(
-      std::move(scene), [&](double time) { return trajectory.pose(time); }, options.duration);
-  std::vector<Fault> faults;
-  for (const std::string& name : options.faults) {
-    faults.push_back(fault_named(name));
-  }
-  const FaultMaker fault_maker(faults, options.duration, options.seed_of_noise());
+      std::move(scene), [&](double time) { return trajectory.pose(time); }, options.duration,
+      kClearance, checkpoint);
+  const FaultMaker fault_maker(faults_of(options), options.duration, options.seed_of_noise());
   const SimulationFiles files(options.output);
   std::optional<OutputFile> labels;
   std::vector<LidarTrack> lidars;
@@ -256,11 +263,10 @@ SimulationSummary simulate(
     lidars.emplace_back(options, i, scene, trajectory, fault_maker);
   }
   const RangeSimulator& first = lidars.front().simulator();
-  SimulationSummary summary;
-  summary.changes = changed.changes.size();
-  summary.triangles = scene.mesh.triangles.size();
+  SimulationSummary summary{.triangles = scene.mesh.triangles.size(),
+                            .changes = changed.changes.size()};
   summary.crossings = find_crossings([&](double time) { return first.pose(time); },
-                                     options.duration, first.still());
+                                     options.duration, first.still(), checkpoint);
   Tracks tracks{.imu = ImuTrack(options, files, trajectory, fault_maker)};
   if (options.gnss != "none") {
     tracks.gnss.emplace(options, files, trajectory, first.still(), fault_maker);
@@ -280,7 +286,7 @@ SimulationSummary simulate(
   const auto total = static_cast<std::size_t>(
       std::floor(options.duration * 1e9 / static_cast<double>(first.sensor().period) + 1e-6));
   for (std::size_t i = 0; i < total; ++i) {
-    const std::vector<RangeSweep> sweeps = sweeps_at(lidars, i);
+    const std::vector<RangeSweep> sweeps = sweeps_at(lidars, i, checkpoint);
     const Nanoseconds end(sweeps.front().start + first.sensor().period);
     tracks.write_until(end, recorder, summary);
     for (std::size_t k = 0; k < lidars.size(); ++k) {
@@ -302,10 +308,11 @@ SimulationSummary simulate(
     write_changes(files.changes, options.change, movable, changed.changes);
   }
   write_scene_ply(files.scene, scene);
-  write_loops(files.loops, find_loops(first, options.duration), seconds(options.epoch()));
+  write_loops(files.loops, find_loops(first, options.duration, checkpoint),
+              seconds(options.epoch()));
   if (options.picture) {
-    write_scene_picture(files.picture, scene, first.still(), trajectory);
-    write_sweep_picture(files.sweep, scene, first, static_cast<int64_t>(total / 3));
+    write_scene_picture(files.picture, scene, first.still(), trajectory, checkpoint);
+    write_sweep_picture(files.sweep, scene, first, static_cast<int64_t>(total / 3), checkpoint);
   }
   return summary;
 }

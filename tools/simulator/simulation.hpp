@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "adit/slam/core/checkpoint.hpp"
 #include "adit/slam/core/types.hpp"
 #include "adit/tools/containers/compression.hpp"
 #include "adit/tools/simulator/crossings.hpp"
@@ -115,9 +116,9 @@ struct SimulationSummary {
 
 /// Simulates and writes. The same options give the same bytes on any machine, where the compressor
 /// is the same. Throws UsageError for names that do not exist and numbers that make no sense,
-/// OutputError.
-SimulationSummary simulate(
-    const SimulationOptions& options,
-    const std::function<void(std::size_t done, std::size_t total)>& progress);
+/// OutputError, and what the checkpoint throws: that leaves the files unfinished.
+SimulationSummary simulate(const SimulationOptions& options,
+                           const std::function<void(std::size_t done, std::size_t total)>& progress,
+                           const Checkpoint& checkpoint = {});
 
 }  // namespace adit

@@ -167,8 +167,8 @@ LidarTrack::LidarTrack(const SimulationOptions& options, std::size_t index, cons
       epoch_(options.epoch()),
       number_(index == 0 ? uint64_t{kPoints} : kFurtherPoints + index) {}
 
-RangeSweep LidarTrack::sweep(std::size_t index) const {
-  RangeSweep sweep = simulator_->sweep(static_cast<int64_t>(index));
+RangeSweep LidarTrack::sweep(std::size_t index, const Checkpoint& checkpoint) const {
+  RangeSweep sweep = simulator_->sweep(static_cast<int64_t>(index), checkpoint);
   faults_->distort(sweep);
   return sweep;
 }

@@ -138,7 +138,7 @@ class LidarTrack {
   const RangeSimulator& simulator() const { return *simulator_; }
 
   /// Sweep `index`, with the faults.
-  RangeSweep sweep(std::size_t index) const;
+  RangeSweep sweep(std::size_t index, const Checkpoint& checkpoint) const;
 
   void write(const RangeSweep& sweep, std::size_t index, Nanoseconds received,
              SimulationRecorder& recorder, std::optional<OutputFile>& labels,

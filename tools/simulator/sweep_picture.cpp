@@ -123,18 +123,21 @@ struct Panorama {
 };
 
 void draw_around(Image& image, const Panorama& view, const RayScene& still,
-                 const Eigen::Isometry3d& T_world_lidar) {
+                 const Eigen::Isometry3d& T_world_lidar, const Checkpoint& checkpoint) {
   constexpr double kFar = 200.0;  // m
-  in_parallel(static_cast<std::size_t>(view.height), 8, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) {
-      for (int x = 0; x < kWidth; ++x) {
-        const Vector3d direction =
-            T_world_lidar.linear() * view.direction(x, static_cast<int>(row));
-        const auto hit = still.cast(T_world_lidar.translation(), direction, kFar);
-        image.at(x, static_cast<int>(row)) = hit ? grey(shaded(*hit, 0.0)) : kPaper;
-      }
-    }
-  });
+  in_parallel(
+      static_cast<std::size_t>(view.height), 8,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+          for (int x = 0; x < kWidth; ++x) {
+            const Vector3d direction =
+                T_world_lidar.linear() * view.direction(x, static_cast<int>(row));
+            const auto hit = still.cast(T_world_lidar.translation(), direction, kFar);
+            image.at(x, static_cast<int>(row)) = hit ? grey(shaded(*hit, 0.0)) : kPaper;
+          }
+        }
+      },
+      checkpoint);
 }
 
 /// Ticks at multiples of thirty and of ten degrees.
@@ -219,8 +222,8 @@ void draw_words(Image& image, const Plan& plan, const Panorama& around, const st
 }  // namespace
 
 void write_sweep_picture(const std::filesystem::path& file, const Scene& scene,
-                         const RangeSimulator& lidar, int64_t index) {
-  const RangeSweep sweep = lidar.sweep(index);
+                         const RangeSimulator& lidar, int64_t index, const Checkpoint& checkpoint) {
+  const RangeSweep sweep = lidar.sweep(index, checkpoint);
   const int64_t middle = sweep.start + lidar.sensor().period / 2;
   const Eigen::Isometry3d T_world_lidar = lidar.pose(1e-9 * static_cast<double>(middle));
   const std::vector<Seen> seen = seen_of(sweep, lidar, T_world_lidar);
@@ -231,7 +234,8 @@ void write_sweep_picture(const std::filesystem::path& file, const Scene& scene,
   // The plan first: it is drawn from the image's first row on.
   Image image(kWidth, plan.height + around.height);
   const auto below = lidar.still().cast(at, -Vector3d::UnitZ(), 10.0);
-  draw_plan(image, plan, scene, lidar.still(), at.z() - (below ? below->distance : 1.5));
+  draw_plan(image, plan, scene, lidar.still(), at.z() - (below ? below->distance : 1.5),
+            checkpoint);
   for (int y = 0; y < plan.height; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       image.at(x, y) = grey(image.at(x, y));
@@ -243,7 +247,7 @@ void write_sweep_picture(const std::filesystem::path& file, const Scene& scene,
   dot(image, plan.pixel(at) - Vector2i(3, 3), 0, plan.height, 9, kSensorColor);
 
   Image panorama(kWidth, around.height);
-  draw_around(panorama, around, lidar.still(), T_world_lidar);
+  draw_around(panorama, around, lidar.still(), T_world_lidar, checkpoint);
   for (const Seen& point : seen) {
     dot(panorama, around.pixel(point.p_lidar), 0, around.height, 2, heat(point.brightness));
   }

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "adit/slam/core/checkpoint.hpp"
 #include "adit/tools/simulator/range_simulator.hpp"
 #include "adit/tools/simulator/scene.hpp"
 
@@ -13,6 +14,6 @@ namespace adit {
 /// red, and below it all around as the sensor sees it. Points are coloured by the rank of their
 /// intensity, each where it was measured at its own time. Throws OutputError.
 void write_sweep_picture(const std::filesystem::path& file, const Scene& scene,
-                         const RangeSimulator& lidar, int64_t index);
+                         const RangeSimulator& lidar, int64_t index, const Checkpoint& checkpoint);
 
 }  // namespace adit
