@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "adit/engine/vulkan/buffer_state.hpp"
+#include "adit/engine/vulkan/process.hpp"
 
 namespace adit::engine {
 namespace {
@@ -73,7 +74,9 @@ Buffer::State::~State() {
 Buffer::Buffer(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Buffer::Buffer(Buffer&&) noexcept = default;
 Buffer& Buffer::operator=(Buffer&&) noexcept = default;
-Buffer::~Buffer() = default;
+Buffer::~Buffer() {
+  leave_to_parent(state_);
+}
 
 uint64_t Buffer::size() const {
   return state_->bytes;
@@ -82,6 +85,7 @@ const std::string& Buffer::name() const {
   return state_->name;
 }
 std::byte* Buffer::mapped() const {
+  require_device_process();  // drivers need not map their memory in a forked process
   return state_->mapped;
 }
 
@@ -100,6 +104,7 @@ Slice Slice::from(uint64_t at) const {
 }
 
 std::byte* Slice::mapped() const {
+  require_device_process();
   return buffer == nullptr || buffer->mapped == nullptr ? nullptr : buffer->mapped + offset;
 }
 

@@ -5,19 +5,20 @@
 #include <stdexcept>
 
 #include "adit/engine/vulkan/buffer_state.hpp"
+#include "adit/engine/vulkan/process.hpp"
 #include "adit/engine/vulkan/recorder_state.hpp"
 #include "adit/engine/vulkan/submission_state.hpp"
 
 namespace adit::engine {
 
-Context::Context(const ContextOptions& options) : device_(std::make_unique<Device>(options)) {}
+Context::Context(const ContextOptions& options) {
+  note_opened_device();  // before a driver is loaded
+  device_ = std::make_unique<Device>(options);
+}
 Context::Context(Context&&) noexcept = default;
 Context& Context::operator=(Context&&) noexcept = default;
 Context::~Context() {
-  if (device_ != nullptr && !device_->process.is_this()) {
-    // In a forked child the driver would wait for threads that are not there: leave it all alone.
-    static_cast<void>(device_.release());
-  }
+  leave_to_parent(device_);
 }
 
 const DeviceInfo& Context::device() const {
@@ -28,7 +29,7 @@ bool Context::software_fallback() const {
 }
 
 Buffer Context::make_buffer(uint64_t bytes, Memory kind, std::string_view name) {
-  device_->process.require();
+  require_device_process();
   return Buffer(std::make_unique<Buffer::State>(*device_, bytes, kind, name));
 }
 

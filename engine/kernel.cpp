@@ -9,6 +9,7 @@
 
 #include "adit/engine/context.hpp"
 #include "adit/engine/vulkan/kernel_state.hpp"
+#include "adit/engine/vulkan/process.hpp"
 #include "adit/shaders/embedded.hpp"
 
 namespace adit::engine {
@@ -133,7 +134,7 @@ Kernel::Kernel(Context& context, const Shader& shader,
                const std::vector<Specialization>& specializations)
     : state_(std::make_unique<State>()) {
   state_->device = &context.internal();
-  state_->device->process.require();
+  require_device_process();
   state_->name = shader.name;
   state_->reflection = reflect(shader.spirv);
   check_bindings(*state_);
@@ -147,7 +148,9 @@ Kernel::Kernel(Context& context, const Shader& shader,
 
 Kernel::Kernel(Kernel&&) noexcept = default;
 Kernel& Kernel::operator=(Kernel&&) noexcept = default;
-Kernel::~Kernel() = default;
+Kernel::~Kernel() {
+  leave_to_parent(state_);
+}
 
 std::string_view Kernel::name() const {
   return state_->name;

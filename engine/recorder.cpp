@@ -9,6 +9,7 @@
 
 #include "adit/engine/vulkan/buffer_state.hpp"
 #include "adit/engine/vulkan/kernel_state.hpp"
+#include "adit/engine/vulkan/process.hpp"
 #include "adit/engine/vulkan/recorder_state.hpp"
 
 namespace adit::engine {
@@ -171,7 +172,9 @@ Recorder::Recorder(std::unique_ptr<State> state) : state_(std::move(state)) {
 }
 Recorder::Recorder(Recorder&&) noexcept = default;
 Recorder& Recorder::operator=(Recorder&&) noexcept = default;
-Recorder::~Recorder() = default;
+Recorder::~Recorder() {
+  leave_to_parent(state_);
+}
 
 void Recorder::dispatch_bytes(const Kernel& kernel, uint32_t groups,
                               std::span<const std::byte> push, std::span<const Slice> slices) {

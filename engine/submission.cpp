@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "adit/engine/vulkan/process.hpp"
 #include "adit/engine/vulkan/submission_state.hpp"
 
 namespace adit::engine {
@@ -43,7 +44,9 @@ void Submission::State::wait() {
 Submission::Submission(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Submission::Submission(Submission&&) noexcept = default;
 Submission& Submission::operator=(Submission&&) noexcept = default;
-Submission::~Submission() = default;
+Submission::~Submission() {
+  leave_to_parent(state_);
+}
 
 void Submission::wait() {
   state_->wait();

@@ -12,6 +12,7 @@
 
 #include "adit/engine/context.hpp"
 #include "adit/engine/vulkan/device_choice.hpp"
+#include "adit/engine/vulkan/process.hpp"
 
 namespace adit::engine {
 
@@ -164,7 +165,7 @@ void Device::note_statistics(vk::Pipeline pipeline, KernelStatistics kernel) {
 }
 
 std::unique_ptr<CommandSlot> Device::begin_commands() {
-  process.require();
+  require_device_process();
   std::unique_ptr<CommandSlot> slot;
   {
     const std::scoped_lock lock(slots_mutex_);
@@ -189,7 +190,7 @@ void Device::recycle(std::unique_ptr<CommandSlot> slot) {
 }
 
 uint64_t Device::submit(const CommandSlot& slot) {
-  process.require();
+  require_device_process();
   const vk::CommandBufferSubmitInfo commands(slot.handle());
   const std::scoped_lock lock(queue_mutex_);
   const uint64_t value = last_value_ + 1;
@@ -202,7 +203,7 @@ uint64_t Device::submit(const CommandSlot& slot) {
 // One thread waits in the driver, for whatever ends next, and tells the others. Where two of them
 // wait, NVIDIA's wakes one, and the other after 10 ms.
 void Device::wait(uint64_t value) const {
-  process.require();
+  require_device_process();
   std::unique_lock lock(wait_mutex_);
   while (true) {
     const uint64_t ended =
@@ -238,7 +239,7 @@ void Device::wait(uint64_t value) const {
 }
 
 bool Device::reached(uint64_t value) const {
-  process.require();
+  require_device_process();
   return translated("asking for the device's progress",
                     [&] { return timeline.getCounterValue() >= value; });
 }

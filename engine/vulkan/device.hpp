@@ -15,7 +15,6 @@
 #include "adit/engine/vulkan/allocator.hpp"
 #include "adit/engine/vulkan/command_slot.hpp"
 #include "adit/engine/vulkan/instance.hpp"
-#include "adit/engine/vulkan/process.hpp"
 #include "adit/engine/vulkan/vulkan.hpp"
 
 namespace adit::engine {
@@ -57,7 +56,6 @@ struct Device {
     }
   }
 
-  OpeningProcess process;  // first: it refuses a forked process before a driver is loaded
   Instance instance;
   bool profile = false;
   bool compile_only = false;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/engine/vulkan/process.hpp"
 
-#include <unistd.h>
+#include <pthread.h>
 
 #include <atomic>
 
@@ -11,30 +11,28 @@
 namespace adit::engine {
 namespace {
 
-[[noreturn]] void refuse() {
-  throw Error(
-      "this process was forked from one that had opened a Vulkan device, and a device does not "
-      "survive a fork. Fork before the first device is opened, or start the process anew: Python's "
-      "multiprocessing.get_context(\"spawn\") does");
-}
+std::atomic<bool> opened{false};
+std::atomic<bool> forked{false};  // since it was opened
 
 }  // namespace
 
-OpeningProcess::OpeningProcess() : id_(getpid()) {
-  static std::atomic<pid_t> first{0};  // of this process, or of the one that it was forked from
-  pid_t opened = 0;
-  if (!first.compare_exchange_strong(opened, id_) && opened != id_) {
-    refuse();
+bool is_forked_from_device() {
+  return forked;
+}
+
+void require_device_process() {
+  if (forked) {
+    throw Error(
+        "this process was forked from one that had opened a Vulkan device, and a device does not "
+        "survive a fork. Fork before the first device is opened, or start the process anew: "
+        "Python's multiprocessing.get_context(\"spawn\") does");
   }
 }
 
-bool OpeningProcess::is_this() const {
-  return getpid() == id_;
-}
-
-void OpeningProcess::require() const {
-  if (!is_this()) {
-    refuse();
+void note_opened_device() {
+  require_device_process();
+  if (!opened.exchange(true)) {
+    pthread_atfork(nullptr, nullptr, [] { forked = true; });
   }
 }
 

@@ -1,25 +1,32 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
+//
+// Devices and fork(). Vulkan does not define what becomes of a device in a forked process: the
+// driver's threads stay with the parent, its locks may be taken for ever, and its handles in the
+// kernel are the parent's as well. So the child is refused all work on a device, instead of waiting
+// for ever, and destroys nothing. A device of its own is refused, too, since drivers keep state for
+// the whole process.
 #pragma once
 
-#include <sys/types.h>
+#include <memory>
 
 namespace adit::engine {
 
-/// The process that a device was opened in. Vulkan says nothing of fork(): a driver's threads and
-/// locks stay behind, and whatever the child asks of a device waits for ever. So it is refused, and
-/// so is a device of the child's own, for which some drivers need what the parent has.
-class OpeningProcess {
- public:
-  /// This one. Throws Error where it was forked from one that has opened a device.
-  OpeningProcess();
+/// True in a process that was forked from one that had opened a device.
+bool is_forked_from_device();
 
-  bool is_this() const;
-  /// Throws Error in a process that was forked since.
-  void require() const;
+/// Throws Error in such a process.
+void require_device_process();
 
- private:
-  pid_t id_;
-};
+/// Notes that this process opens a device. Throws as require_device_process().
+void note_opened_device();
+
+/// For destructors: in such a process the object is left as it is.
+template <class State>
+void leave_to_parent(std::unique_ptr<State>& state) {
+  if (is_forked_from_device()) {
+    static_cast<void>(state.release());
+  }
+}
 
 }  // namespace adit::engine

@@ -21,26 +21,24 @@
 namespace adit::python {
 namespace {
 
-using SharedRecording = std::shared_ptr<const RecordingFile>;
+py::value_error closed_error(const std::filesystem::path& path) {
+  return py::value_error(path.string() + ": the recording is closed");
+}
 
 /// The events of a recording, as a Python iterator; static transforms first.
 class EventIterator {
  public:
-  EventIterator(SharedRecording recording, std::shared_ptr<const OpenRecording> opened,
-                std::unique_ptr<EventStream> events, std::vector<StaticTransform> transforms)
-      : recording_(std::move(recording)),
-        opened_(std::move(opened)),
-        events_(std::move(events)),
+  EventIterator(std::shared_ptr<RecordedEvents> events, std::vector<Topic> topics,
+                std::vector<StaticTransform> transforms)
+      : events_(std::move(events)),
+        topics_(std::move(topics)),
         transforms_(std::move(transforms)) {}
 
   py::object next() {
-    std::shared_ptr<const OpenRecording> opened;
     const StaticTransform* transform = nullptr;
     std::optional<Event> event;
     without_gil([&] {
       const std::lock_guard lock(mutex_);
-      let_go_if_closed();
-      opened = recording_->opened();
       if (given_ < transforms_.size()) {
         transform = &transforms_[given_++];
       } else {
@@ -53,31 +51,23 @@ class EventIterator {
     if (!event) {
       throw py::stop_iteration();
     }
-    return object_of(std::move(*event), opened->topics());
+    return object_of(std::move(*event), topics_);
   }
 
  private:
-  void let_go_if_closed() {
-    if (recording_->closed()) {
-      events_.reset();
-      opened_.reset();
-    }
-  }
-
-  SharedRecording recording_;
-  std::shared_ptr<const OpenRecording> opened_;
-  std::unique_ptr<EventStream> events_;
+  std::shared_ptr<RecordedEvents> events_;
+  std::vector<Topic> topics_;
   std::vector<StaticTransform> transforms_;
   std::size_t given_ = 0;
   std::mutex mutex_;
 };
 
-std::unique_ptr<EventIterator> iterate(const std::shared_ptr<RecordingFile>& recording,
+std::unique_ptr<EventIterator> iterate(RecordingFile& recording,
                                        const std::optional<std::vector<std::string>>& names) {
   return without_gil([&] {
-    const std::shared_ptr<const OpenRecording> opened = recording->opened();
+    const std::shared_ptr<const OpenRecording> opened = recording.opened();
     if (!names) {
-      return std::make_unique<EventIterator>(recording, opened, opened->mapped_events(),
+      return std::make_unique<EventIterator>(recording.mapped_events(), opened->topics(),
                                              opened->transforms());
     }
     std::vector<std::size_t> topics;
@@ -87,7 +77,7 @@ std::unique_ptr<EventIterator> iterate(const std::shared_ptr<RecordingFile>& rec
     if (topics.empty()) {
       throw py::value_error("topics: none is named");
     }
-    return std::make_unique<EventIterator>(recording, opened, opened->events(topics),
+    return std::make_unique<EventIterator>(recording.events(topics), opened->topics(),
                                            std::vector<StaticTransform>{});
   });
 }
@@ -164,12 +154,48 @@ std::vector<std::string> OpenRecording::damage() const {
   return damage_;
 }
 
+std::optional<Event> RecordedEvents::next() {
+  const std::lock_guard lock(mutex_);
+  if (!opened_) {
+    throw closed_error(path_);
+  }
+  return events_->next();
+}
+
+void RecordedEvents::close() {
+  const std::lock_guard lock(mutex_);
+  events_.reset();
+  opened_.reset();
+}
+
 std::shared_ptr<const OpenRecording> RecordingFile::opened() const {
   const std::lock_guard lock(mutex_);
   if (!opened_) {
-    throw py::value_error(path_.string() + ": the recording is closed");
+    throw closed_error(path_);
   }
   return opened_;
+}
+
+std::shared_ptr<RecordedEvents> RecordingFile::until_closed(
+    std::shared_ptr<const OpenRecording> opened, std::unique_ptr<EventStream> events) {
+  const auto given = std::make_shared<RecordedEvents>(std::move(opened), std::move(events));
+  const std::lock_guard lock(mutex_);
+  if (!opened_) {
+    throw closed_error(path_);
+  }
+  std::erase_if(given_, [](const auto& one) { return one.expired(); });
+  given_.push_back(given);
+  return given;
+}
+
+std::shared_ptr<RecordedEvents> RecordingFile::events(const std::vector<std::size_t>& topics) {
+  const auto opened = this->opened();
+  return until_closed(opened, opened->events(topics));
+}
+
+std::shared_ptr<RecordedEvents> RecordingFile::mapped_events() {
+  const auto opened = this->opened();
+  return until_closed(opened, opened->mapped_events());
 }
 
 bool RecordingFile::closed() const {
@@ -179,10 +205,16 @@ bool RecordingFile::closed() const {
 
 void RecordingFile::close() {
   const std::lock_guard lock(mutex_);
-  if (opened_) {
-    damage_ = opened_->damage();
-    opened_.reset();
+  if (!opened_) {
+    return;
   }
+  for (const std::weak_ptr<RecordedEvents>& one : given_) {
+    if (const auto events = one.lock()) {
+      events->close();
+    }
+  }
+  damage_ = opened_->damage();
+  opened_.reset();
 }
 
 std::vector<std::string> RecordingFile::damage() const {
@@ -246,13 +278,12 @@ void bind_recording(py::module_& module) {
           "The events of these topics, by name; None: those that `adit run` maps. Where the\n"
           "recording was opened with strict=True, a damaged place raises InputError, and the next\n"
           "step of the iterator goes on behind it. UsageError: no such topic.")
-      .def("__iter__",
-           [](const std::shared_ptr<RecordingFile>& self) { return iterate(self, std::nullopt); })
+      .def("__iter__", [](RecordingFile& self) { return iterate(self, std::nullopt); })
       .def(
           "close", [](RecordingFile& self) { without_gil([&] { self.close(); }); },
-          "Closes its files; `with adit.open(...) as recording` does at the end of the block. "
-          "What\n"
-          "reads it then raises ValueError; path, config and damage stay.")
+          "Closes its files; `with adit.open(...) as recording` does at the end of the\n"
+          "block. What reads it then, iterators too, raises ValueError; path, config and\n"
+          "damage stay.")
       .def_property_readonly("closed", &RecordingFile::closed, "True once it is closed.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__",

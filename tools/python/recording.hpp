@@ -33,6 +33,7 @@ struct SensorTopics {
   std::vector<std::size_t> all() const;
 };
 
+/// The files of a recording, with what `adit run` finds in them.
 class OpenRecording {
  public:
   /// Throws InputError.
@@ -69,8 +70,25 @@ class OpenRecording {
   mutable std::vector<StaticTransform> transforms_;   ///< with sensors_
 };
 
-/// The recording as Python has it, which may close it. Its files are closed once nothing that still
-/// reads them is left.
+/// Events that are read from a recording until it is closed.
+class RecordedEvents {
+ public:
+  RecordedEvents(std::shared_ptr<const OpenRecording> opened, std::unique_ptr<EventStream> events)
+      : path_(opened->path()), opened_(std::move(opened)), events_(std::move(events)) {}
+
+  /// Nothing at the end. Throws what reading throws, ValueError once it is closed.
+  std::optional<Event> next();
+  /// Waits for a next() of another thread.
+  void close();
+
+ private:
+  std::filesystem::path path_;
+  std::mutex mutex_;
+  std::shared_ptr<const OpenRecording> opened_;  ///< which `events_` read; null: closed
+  std::unique_ptr<EventStream> events_;
+};
+
+/// The recording as Python has it, which may close it.
 class RecordingFile {
  public:
   explicit RecordingFile(std::shared_ptr<const OpenRecording> opened)
@@ -80,17 +98,25 @@ class RecordingFile {
   const Config& config() const { return config_; }
   /// Throws ValueError once it is closed.
   std::shared_ptr<const OpenRecording> opened() const;
+  /// Those of these topics, and those that a run maps. Throw ValueError once it is closed.
+  std::shared_ptr<RecordedEvents> events(const std::vector<std::size_t>& topics);
+  std::shared_ptr<RecordedEvents> mapped_events();
   bool closed() const;
+  /// With all that still reads it.
   void close();
   /// Also once it is closed.
   std::vector<std::string> damage() const;
 
  private:
+  std::shared_ptr<RecordedEvents> until_closed(std::shared_ptr<const OpenRecording> opened,
+                                               std::unique_ptr<EventStream> events);
+
   std::filesystem::path path_;
   Config config_;
   mutable std::mutex mutex_;
   std::shared_ptr<const OpenRecording> opened_;  ///< null: closed
-  std::vector<std::string> damage_;              ///< of a closed one
+  std::vector<std::weak_ptr<RecordedEvents>> given_;
+  std::vector<std::string> damage_;  ///< of a closed one
 };
 
 void bind_recording(py::module_& module);

@@ -252,7 +252,7 @@ void bind_slam(py::module_& module) {
           "Nothing more comes for now: what is held is placed and returned. add() may follow.")
       .def(
           "process",
-          [](const SharedSlam& self, const std::shared_ptr<RecordingFile>& recording) {
+          [](const SharedSlam& self, RecordingFile& recording) {
             return without_gil([&] { return std::make_unique<PlacedSweeps>(self, recording); });
           },
           py::arg("recording"),

@@ -120,11 +120,9 @@ std::optional<MapReport> SlamSession::finish_map() {
   return report;
 }
 
-PlacedSweeps::PlacedSweeps(std::shared_ptr<SlamSession> slam,
-                           std::shared_ptr<const RecordingFile> recording)
-    : slam_(std::move(slam)), recording_(std::move(recording)), opened_(recording_->opened()) {
-  events_ = opened_->mapped_events();
-  for (const StaticTransform& transform : opened_->transforms()) {
+PlacedSweeps::PlacedSweeps(std::shared_ptr<SlamSession> slam, RecordingFile& recording)
+    : slam_(std::move(slam)), events_(recording.mapped_events()) {
+  for (const StaticTransform& transform : recording.opened()->transforms()) {
     slam_->add(transform);
   }
 }
@@ -140,7 +138,6 @@ std::optional<SweepPlaced> PlacedSweeps::next() {
     if (ended_) {
       return std::nullopt;
     }
-    static_cast<void>(recording_->opened());  // throws where it is closed
     std::optional<Event> event = events_->next();
     if (!event) {
       ended_ = true;

@@ -59,7 +59,7 @@ class SlamSession {
 /// The sweeps of a recording, as `adit run` places them, one after the other.
 class PlacedSweeps {
  public:
-  PlacedSweeps(std::shared_ptr<SlamSession> slam, std::shared_ptr<const RecordingFile> recording);
+  PlacedSweeps(std::shared_ptr<SlamSession> slam, RecordingFile& recording);
 
   /// Nothing at the end. Throws what reading and placing do.
   std::optional<SweepPlaced> next();
@@ -67,9 +67,7 @@ class PlacedSweeps {
  private:
   std::mutex mutex_;
   std::shared_ptr<SlamSession> slam_;
-  std::shared_ptr<const RecordingFile> recording_;
-  std::shared_ptr<const OpenRecording> opened_;
-  std::unique_ptr<EventStream> events_;
+  std::shared_ptr<RecordedEvents> events_;
   bool ended_ = false;
 };
 
