@@ -166,14 +166,15 @@ std::string message_in_child(Call&& call) {
 
 TEST(Context, IsRefusedInAForkedProcessInsteadOfHanging) {
   Context context(test::test_options());
-  const Kernel kernel(context, "engine_probe");
-  const Buffer buffer = context.make_buffer(1000, Memory::upload, "of the parent");
+  Kernel kernel(context, "engine_probe");
+  Buffer buffer = context.make_buffer(1000, Memory::upload, "of the parent");
   Submission under_way = context.submit(context.make_recorder());
   const std::vector<std::function<void()>> calls = {
       [&] { context.make_buffer(1000, Memory::device, "of the child"); },
       [&] { static_cast<void>(context.make_recorder()); },
       [&] { const Kernel another(context, "engine_probe"); },
       [&] { under_way.wait(); },
+      [&] { static_cast<void>(buffer.mapped()); },
       [&] { const Context another(test::test_options()); },
   };
   for (const std::function<void()>& call : calls) {
@@ -181,8 +182,13 @@ TEST(Context, IsRefusedInAForkedProcessInsteadOfHanging) {
     EXPECT_NE(text.find("does not survive a fork"), std::string::npos) << text;
     EXPECT_NE(text.find("spawn"), std::string::npos) << text;
   }
-  EXPECT_EQ(message_in_child([&] { const Context gone = std::move(context); }), "no error")
-      << "it is left alone";
+  const auto destroy_all = [&] {
+    const Buffer buffer_gone = std::move(buffer);
+    const Kernel kernel_gone = std::move(kernel);
+    const Submission submission_gone = std::move(under_way);
+    const Context context_gone = std::move(context);
+  };
+  EXPECT_EQ(message_in_child(destroy_all), "no error") << "all is left as it is";
   under_way.wait();
   context.submit(context.make_recorder()).wait();
 }

@@ -227,4 +227,9 @@ def test_every_block_of_the_guide_runs(drive, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names = {}
     for block in blocks:
-        exec(compile(textwrap.dedent(block), "docs/python.md", "exec"), names)
+        if "__main__" in block:  # a program of its own
+            (tmp_path / "example.py").write_text(block)
+            answer = python("example.py", cwd=tmp_path)
+            assert answer.returncode == 0 and answer.stdout, answer.stderr
+        else:
+            exec(compile(textwrap.dedent(block), "docs/python.md", "exec"), names)

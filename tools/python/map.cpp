@@ -43,11 +43,11 @@ class OpenMap {
       return call(std::as_const(*database_));
     });
   }
+  /// Without a check for signals, which would leave it open.
   void close() {
-    without_gil([&] {
-      const std::lock_guard lock(mutex_);
-      database_.reset();
-    });
+    const py::gil_scoped_release released;
+    const std::lock_guard lock(mutex_);
+    database_.reset();
   }
 
  private:

@@ -82,6 +82,12 @@ std::unique_ptr<EventIterator> iterate(RecordingFile& recording,
   });
 }
 
+/// Without a check for signals, which would leave it open.
+void close(RecordingFile& recording) {
+  const py::gil_scoped_release released;
+  recording.close();
+}
+
 }  // namespace
 
 std::vector<std::size_t> SensorTopics::all() const {
@@ -279,15 +285,13 @@ void bind_recording(py::module_& module) {
           "recording was opened with strict=True, a damaged place raises InputError, and the next\n"
           "step of the iterator goes on behind it. UsageError: no such topic.")
       .def("__iter__", [](RecordingFile& self) { return iterate(self, std::nullopt); })
-      .def(
-          "close", [](RecordingFile& self) { without_gil([&] { self.close(); }); },
-          "Closes its files; `with adit.open(...) as recording` does at the end of the\n"
-          "block. What reads it then, iterators too, raises ValueError; path, config and\n"
-          "damage stay.")
+      .def("close", &close,
+           "Closes its files; `with adit.open(...) as recording` does at the end of the\n"
+           "block. What reads it then, iterators too, raises ValueError; path, config and\n"
+           "damage stay.")
       .def_property_readonly("closed", &RecordingFile::closed, "True once it is closed.")
       .def("__enter__", [](const py::object& self) { return self; })
-      .def("__exit__",
-           [](RecordingFile& self, const py::args&) { without_gil([&] { self.close(); }); })
+      .def("__exit__", [](RecordingFile& self, const py::args&) { close(self); })
       .def("__repr__", [](const RecordingFile& self) {
         return "<adit.Recording " +
                (self.closed() ? "closed: " + self.path().string() : self.opened()->description()) +
