@@ -127,12 +127,13 @@ struct BatchAlignment::State {
   std::unique_ptr<BatchChunk> chunk{};
   uint32_t alive = 0;              // pairs of the chunk that want the next pass
   double ms_per_point = kSlowest;  // time of a pass
-  double points = 0.0;             // times passes, of the piece under way
+  double alive_points = 0.0;       // of the pairs that wanted the piece under way
+  BatchChunk::Passes passes{};     // of the piece under way
   Clock::time_point submitted{};
   std::optional<engine::Submission> under_way{};  // destroyed first
 
   void make_chunk(double budget);
-  void learn(double elapsed, bool waited);
+  void learn(double elapsed, bool waited, double still_alive);
 };
 
 BatchAlignment BatchAligner::start(std::span<const AlignmentPair> pairs, bool steps) const {
@@ -195,11 +196,15 @@ void BatchAlignment::State::make_chunk(double budget) {
   alive = chunk->size();
 }
 
-// A piece that had ended before anybody looked took at most so long.
-void BatchAlignment::State::learn(double elapsed, bool waited) {
-  const double found = elapsed / points;
-  if (waited || found < ms_per_point) {
-    ms_per_point = found;
+// Pairs that end within a piece skip the rest of its passes: between one pass of each pair and all
+// passes were computed. `still_alive` is the share of pairs that did not end. A piece that had
+// ended before anybody looked took at most so long.
+void BatchAlignment::State::learn(double elapsed, bool waited, double still_alive) {
+  const double most_passes = std::max(passes.count, 1U);
+  const double least_passes = passes.end_stage ? 1.0 : std::max(1.0, still_alive * most_passes);
+  ms_per_point = std::min(ms_per_point, elapsed / (alive_points * least_passes));
+  if (waited) {
+    ms_per_point = std::max(ms_per_point, elapsed / (alive_points * most_passes));
   }
 }
 
@@ -216,13 +221,12 @@ void BatchAlignment::submit(double budget) {
   if (!s.chunk) {
     s.make_chunk(budget);
   }
-  const double alive_points =
+  s.alive_points =
       static_cast<double>(s.chunk->points()) * s.alive / static_cast<double>(s.chunk->size());
-  constexpr double kAll = std::numeric_limits<uint32_t>::max();
-  const double passes = std::clamp(budget / (alive_points * s.ms_per_point), 1.0, kAll);
+  constexpr double kAll = BatchChunk::kAllPasses;
+  const double passes = std::clamp(budget / (s.alive_points * s.ms_per_point), 1.0, kAll);
   engine::Recorder recorder = s.context->make_recorder();
-  const uint32_t recorded = s.chunk->record(recorder, static_cast<uint32_t>(passes));
-  s.points = alive_points * std::max(recorded, 1U);
+  s.passes = s.chunk->record(recorder, static_cast<uint32_t>(passes));
   s.submitted = Clock::now();
   s.under_way.emplace(s.context->submit(std::move(recorder)));
 }
@@ -234,9 +238,11 @@ void BatchAlignment::wait() {
   }
   const bool early = !s.under_way->done();
   s.under_way->wait();
-  s.learn(std::chrono::duration<double, std::milli>(Clock::now() - s.submitted).count(), early);
+  const std::chrono::duration<double, std::milli> elapsed = Clock::now() - s.submitted;
   s.under_way.reset();
-  s.alive = std::max(s.chunk->look(), 1U);
+  const uint32_t remaining = s.chunk->look();
+  s.learn(elapsed.count(), early, std::min(1.0, static_cast<double>(remaining) / s.alive));
+  s.alive = std::max(remaining, 1U);
   if (s.chunk->recorded()) {
     std::vector<RegistrationResult> found = s.chunk->results();
     for (size_t i = 0; i < found.size(); ++i) {

@@ -190,33 +190,37 @@ void BatchChunk::next_stage() {
   begun_ = false;
 }
 
-uint32_t BatchChunk::record(engine::Recorder& recorder, uint32_t most) {
-  uint32_t recorded_passes = 0;
+BatchChunk::Passes BatchChunk::record(engine::Recorder& recorder, uint32_t most) {
+  Passes passes;
   while (!recorded()) {
     const engine::RegistrationSettings settings = level_settings();
     const uint32_t left = kernels_->passes(stage_, settings) - pass_;
     if (left == 0 && (begun_ || stage_ != Stage::iterate)) {
       next_stage();
+      passes.end_stage = passes.count > 0;
+      if (passes.end_stage && most != kAllPasses) {
+        break;
+      }
       continue;
     }
-    if (recorded_passes == most) {
+    if (passes.count == most) {
       break;
     }
     if (!begun_) {
       begin_level(recorder);
     }
-    const uint32_t now = std::min(left, most - recorded_passes);
+    const uint32_t now = std::min(left, most - passes.count);
     const engine::Scope scope =
         recorder.scope(stage_ == Stage::iterate ? "alignment" : "assessment");
     kernels_->record(recorder, stage_, pass_, now, settings, arguments_, scratch_);
     pass_ += now;
-    recorded_passes += now;
+    passes.count += now;
   }
   if (recorded()) {
     recorder.copy(states_, readback_.slice(0, states_.size()));
   }
   recorder.copy(progress_, readback_.slice(engine::align_slice(states_.size()), progress_.size()));
-  return recorded_passes;
+  return passes;
 }
 
 uint32_t BatchChunk::look() {

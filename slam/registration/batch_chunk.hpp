@@ -4,6 +4,8 @@
 // Pairs of a batch that share their dispatches, on the device.
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <map>
 #include <span>
 #include <vector>
@@ -50,9 +52,15 @@ class BatchChunk {
   uint64_t points() const { return points_; }  ///< total of the sources
   bool recorded() const { return level_ == levels_; }
 
-  /// The next passes, `most` at most and one at least; returns how many. The last of all are
-  /// followed by the copy of the results.
-  uint32_t record(engine::Recorder& recorder, uint32_t most);
+  static constexpr uint32_t kAllPasses = std::numeric_limits<uint32_t>::max();
+  struct Passes {
+    uint32_t count = 0;
+    bool end_stage = false;  ///< they are the last of their stage
+  };
+  /// The next passes, `most` at most and one at least. Unless these are kAllPasses, all are of one
+  /// stage: another one concerns other pairs. The last of all are followed by the copy of the
+  /// results.
+  Passes record(engine::Recorder& recorder, uint32_t most);
   /// After the wait for what was recorded: passes over steps that nobody needs any more. Returns
   /// how many pairs still want what comes next.
   uint32_t look();

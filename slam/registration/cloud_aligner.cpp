@@ -387,10 +387,9 @@ std::vector<CloudAlignment> CloudAligner::align_some(Size& size, std::span<const
     if (too_small(pairs[i])) {
       continue;
     }
-    pass(checkpoint);
-    poses[i] = pairs[i].guess
-                   ? std::vector{*pairs[i].guess}
-                   : find_overhead_poses(pairs[i].a->above, pairs[i].b->above, settings_.search);
+    poses[i] = pairs[i].guess ? std::vector{*pairs[i].guess}
+                              : find_overhead_poses(pairs[i].a->above, pairs[i].b->above,
+                                                    settings_.search, checkpoint);
     alignments[i].poses_tried = poses[i].size();
   }
   const Grouped coarse = aligned(size.coarse, &AlignableCloud::coarse, pairs, poses, checkpoint);

@@ -217,7 +217,7 @@ class Ground {
 
 /// All headings, two in one complex image.
 std::vector<Peak> correlate(const std::vector<Riser>& a, const std::vector<Riser>& b,
-                            double least_cell, double turn) {
+                            double least_cell, double turn, const Checkpoint& checkpoint) {
   Images images(reach_of(a), reach_of(b), least_cell);
   Spectrum of_a(kSide * kSide);
   images.draw(a, 0.0, [&](std::size_t i, float weight) { of_a[i] += weight; });
@@ -225,6 +225,7 @@ std::vector<Peak> correlate(const std::vector<Riser>& a, const std::vector<Riser
   const auto pairs = std::max(static_cast<int>(std::lround(180.0 / turn)), 1);
   std::vector<Peak> peaks;
   for (int pair = 0; pair < pairs; ++pair) {
+    pass(checkpoint);
     const double first = std::numbers::pi * pair / pairs;
     const double second = first + std::numbers::pi;
     Spectrum both(kSide * kSide);
@@ -278,7 +279,8 @@ OverheadView overhead_view(std::span<const Point> points, double step) {
 }
 
 std::vector<Eigen::Isometry3d> find_overhead_poses(const OverheadView& a, const OverheadView& b,
-                                                   const OverheadSearchSettings& settings) {
+                                                   const OverheadSearchSettings& settings,
+                                                   const Checkpoint& checkpoint) {
   if (a.columns.empty() || b.columns.empty()) {
     return {};
   }
@@ -292,8 +294,8 @@ std::vector<Eigen::Isometry3d> find_overhead_poses(const OverheadView& a, const 
   const Ground ground(a);
   std::vector<Peak> chosen;
   std::vector<Eigen::Isometry3d> poses;
-  for (const Peak& peak :
-       correlate(risers_a, risers_b, kCells * std::max(a.step, b.step), settings.turn)) {
+  for (const Peak& peak : correlate(risers_a, risers_b, kCells * std::max(a.step, b.step),
+                                    settings.turn, checkpoint)) {
     if (poses.size() == settings.most_poses) {
       break;
     }

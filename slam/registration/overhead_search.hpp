@@ -11,6 +11,7 @@
 
 #include <Eigen/Geometry>
 
+#include "adit/slam/core/checkpoint.hpp"
 #include "adit/slam/core/types.hpp"
 
 namespace adit {
@@ -40,6 +41,7 @@ struct OverheadSearchSettings {
 /// b onto what rises in a (correlation by FFT), and the height that the ground then asks for. Both
 /// clouds have z up to some 10 degrees. None where nothing rises.
 std::vector<Eigen::Isometry3d> find_overhead_poses(const OverheadView& a, const OverheadView& b,
-                                                   const OverheadSearchSettings& settings = {});
+                                                   const OverheadSearchSettings& settings = {},
+                                                   const Checkpoint& checkpoint = {});
 
 }  // namespace adit

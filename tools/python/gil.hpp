@@ -31,12 +31,12 @@ auto without_gil(Call&& call) {
   return std::forward<Call>(call)();
 }
 
-/// For long work without the GIL: check_signals(), ten times a second at most, since another thread
-/// may keep the GIL for some milliseconds.
+/// For long work without the GIL: check_signals(), twenty times a second at most, since another
+/// thread may keep the GIL for some milliseconds.
 inline Checkpoint signal_checks() {
   using Clock = std::chrono::steady_clock;
   return [last = Clock::now()]() mutable {
-    if (Clock::now() - last < std::chrono::milliseconds(100)) {
+    if (Clock::now() - last < std::chrono::milliseconds(50)) {
       return;
     }
     const pybind11::gil_scoped_acquire acquired;

@@ -40,6 +40,7 @@ class EventIterator {
     without_gil([&] {
       const std::lock_guard lock(mutex_);
       if (given_ < transforms_.size()) {
+        events_->require_open();
         transform = &transforms_[given_++];
       } else {
         event = events_->next();
@@ -158,6 +159,13 @@ std::unique_ptr<EventStream> OpenRecording::mapped_events() const {
 std::vector<std::string> OpenRecording::damage() const {
   const std::lock_guard lock(mutex_);
   return damage_;
+}
+
+void RecordedEvents::require_open() {
+  const std::lock_guard lock(mutex_);
+  if (!opened_) {
+    throw closed_error(path_);
+  }
 }
 
 std::optional<Event> RecordedEvents::next() {

@@ -76,6 +76,8 @@ class RecordedEvents {
   RecordedEvents(std::shared_ptr<const OpenRecording> opened, std::unique_ptr<EventStream> events)
       : path_(opened->path()), opened_(std::move(opened)), events_(std::move(events)) {}
 
+  /// Throws ValueError once it is closed.
+  void require_open();
   /// Nothing at the end. Throws what reading throws, ValueError once it is closed.
   std::optional<Event> next();
   /// Waits for a next() of another thread.
