@@ -346,6 +346,7 @@ AlignableCloud CloudAligner::prepare(std::span<const Point> points,
   };
   AlignmentTarget coarse = target(std::span(levels).first(levels.size() - kFineLevels));
   AlignmentTarget fine = target(std::span(levels).last(kFineLevels));
+  pass(checkpoint);
   AlignmentTarget judge = maker.make_target(cloud, kJudge, std::array{judged_size(r_input)});
   return {.r_input = r_input,
           .points = points.size(),

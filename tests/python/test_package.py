@@ -159,6 +159,8 @@ def test_a_repr_shows_what_an_object_is(mapped, drive, room):
     assert re.match(r"<adit.MapReport keyframes=\d+ sweeps=\d+ .*georeferenced=(True|False)>", repr(report))
     assert re.match(r"<adit.RegistrationResult status='converged' overlap=0\.\d+", repr(placed[-1].result.registration))
     assert re.match(r"<adit.Submap of \d+ keyframe=0 ", repr(map_.submap(0)))
+    assert re.fullmatch(r"<adit.Georeference origin=\(\d+\.\d+, \d+\.\d+, \d+\.\d+\)>", repr(map_.georeference))
+    assert re.fullmatch(r"<adit.MapSession id=\d+ name='drive.mcap'>", repr(map_.sessions[0])), "without its configuration"
     assert repr(adit.Odometry()) == "<adit.Odometry before its first sweep>"
     assert repr(adit.Aligner()) == "<adit.Aligner vgicp, resolution 0, min_overlap 0.4>"
     for name in adit.__all__:

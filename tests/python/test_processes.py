@@ -4,20 +4,15 @@
 
 import multiprocessing
 import os
-import signal
 import subprocess
 import sys
 import textwrap
-import time
 
 import numpy as np
 import pytest
 
 import adit
-from conftest import PATHS, SHARED
-
-# What a user takes for "at once"; checks and pieces of work are three times shorter, busy machines slower.
-MOST_SECONDS = 0.3 if "ADIT_STRICT_TIMES" in os.environ else 3.0
+from conftest import PATHS
 
 
 def align(pair):
@@ -28,6 +23,8 @@ def test_a_spawned_pool_aligns(room):
     pair = (room(np.eye(4)), room(np.eye(4)), np.eye(4))
     with multiprocessing.get_context("spawn").Pool(2) as pool:
         found = pool.map_async(align, [pair, pair]).get(timeout=240)
+        with pytest.raises(adit.InputError, match="nothing.mcap"):
+            pool.map_async(adit.open, ["nothing.mcap"]).get(timeout=240)
     expected = adit.align(*pair)
     for one in found:
         assert isinstance(one, adit.Alignment) and one.usable
@@ -108,35 +105,44 @@ INTERRUPTED = '''
             points[axis::3, axis] = -3.0 * np.round(random.uniform(0.0, 2.0, len(points[axis::3])))
         return points
     {before}
-    def interrupt():
-        time.sleep({delay})
-        began[0] = time.monotonic()
-        os.kill(os.getpid(), signal.SIGINT)
-    began = [0.0]
-    threading.Thread(target=interrupt, daemon=True).start()
-    try:
-        {work}
-        print("ended")
-    except KeyboardInterrupt:
-        print(time.monotonic() - began[0])
+    for delay in (0.2, 1.0, 2.5):
+        def interrupt():
+            time.sleep(delay)
+            sent.append(time.monotonic())
+            os.kill(os.getpid(), signal.SIGINT)
+        sent = []
+        interrupter = threading.Thread(target=interrupt)
+        interrupter.start()
+        try:
+            {work}
+            print("ended")
+        except KeyboardInterrupt:
+            print(time.monotonic() - sent[0])
+        interrupter.join()
     {after}
 '''
 PREPARED = "clouds = [place() for _ in range(8)]; adit.align(clouds[0], clouds[0], np.eye(4))"
+CASES = {
+    "align": (PREPARED, "while True: adit.align(clouds[0], clouds[1])", "adit.align(clouds[0], clouds[0], np.eye(4))"),
+    "align_batch": (PREPARED, "adit.align_batch([(a, b) for a in clouds for b in clouds] * 4)",
+                    "adit.align_batch([(clouds[0], clouds[0], np.eye(4))])"),
+    "simulate": ("", "adit.simulate('city', sys.argv[1] + '/a.mcap', sensor='OS1-128', duration=3600.0)",
+                 "adit.simulate('room', sys.argv[1] + '/a.mcap', duration=1.0)"),
+    "list of a recording": ("recording = adit.open(sys.argv[2])", "while True: list(recording)", "list(recording)"),
+    "list of placed sweeps": (
+        "recording = adit.open(sys.argv[2]); adit.Odometry()",
+        "while True: list(adit.Slam.for_recording(recording).process(recording))", ""),
+}
 
 
-@pytest.mark.parametrize("before, work, after", [
-    (PREPARED, "while True: adit.align(clouds[0], clouds[1])", "adit.align(clouds[0], clouds[0], np.eye(4))"),
-    (PREPARED, "adit.align_batch([(a, b) for a in clouds for b in clouds] * 4)",
-     "adit.align_batch([(clouds[0], clouds[0], np.eye(4))])"),
-    ("", "adit.simulate('city', sys.argv[1] + '/a.mcap', sensor='OS1-128', duration=3600.0)",
-     "adit.simulate('room', sys.argv[1] + '/a.mcap', duration=1.0)"),
-    ("recording = adit.open(sys.argv[2])", "while True: list(recording)", "list(recording)"),
-    ("recording = adit.open(sys.argv[2]); adit.Odometry()",
-     "while True: list(adit.Slam.for_recording(recording).process(recording))", ""),
-], ids=["align", "align_batch", "simulate", "list of a recording", "list of placed sweeps"])
-def test_an_interrupt_ends_long_work_at_once(before, work, after, tmp_path, drive):
-    script = textwrap.dedent(INTERRUPTED).format(before=before, work=work, after=after, delay=1.5)
+@pytest.mark.parametrize("case", CASES)
+def test_an_interrupt_ends_long_work_at_once(case, tmp_path, drive):
+    before, work, after = CASES[case]
+    script = textwrap.dedent(INTERRUPTED).format(before=before, work=work, after=after)
     answer = subprocess.run([sys.executable, "-c", script, str(tmp_path), str(drive)], capture_output=True, text=True,
-                            timeout=120, env={**os.environ, **PATHS})
+                            timeout=240, env={**os.environ, **PATHS})
     assert answer.returncode == 0, answer.stderr
-    assert float(answer.stdout) < MOST_SECONDS
+    seconds = sorted(map(float, answer.stdout.split()))
+    print(seconds)
+    # The worst one has room for a machine that does something else.
+    assert len(seconds) == 3 and seconds[1] < 0.3 and seconds[2] < 1.0, seconds

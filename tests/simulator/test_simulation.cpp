@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/simulator/simulation.hpp"
 
+#include <cstddef>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -80,6 +82,35 @@ TEST_F(SimulationTest, TheSameSeedGivesTheSameBytesOnAnyMachine) {
   other.seed = 2;
   simulate(other, {});
   EXPECT_NE(content(files.recording), content(other.output));
+}
+
+TEST_F(SimulationTest, ACheckpointEndsItAnywhereAndChangesNoByte) {
+  struct Stop {};
+  SimulationOptions simulation = options("a");
+  simulation.picture = true;
+  simulate(simulation, {});
+  simulation.output = options("b").output;
+  std::size_t passed = 0;
+  const auto began = std::this_thread::get_id();
+  simulate(simulation, {}, [&] {
+    EXPECT_EQ(std::this_thread::get_id(), began) << "where Python has its signals";
+    ++passed;
+  });
+  EXPECT_EQ(content(options("a").output), content(simulation.output));
+  // How many pieces this thread takes differs from time to time: less than half is certain.
+  for (const double share : {0.0, 0.1, 0.2, 0.4}) {
+    auto left = static_cast<std::size_t>(share * static_cast<double>(passed));
+    EXPECT_THROW(simulate(simulation, {},
+                          [&] {
+                            if (left-- == 0) {
+                              throw Stop{};
+                            }
+                          }),
+                 Stop)
+        << share;
+  }
+  simulate(simulation, {});
+  EXPECT_EQ(content(options("a").output), content(simulation.output));
 }
 
 TEST_F(SimulationTest, TheSamePlaceIsRecordedAgainLaterWithOtherErrors) {

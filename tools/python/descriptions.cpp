@@ -145,6 +145,18 @@ void describe_class(PyTypeObject* type, const std::string& signature) {
   }
 }
 
+/// Its value as a repr shows it; empty for arrays, other objects and long texts.
+std::string shown_value(const py::object& value) {
+  constexpr std::size_t kLongest = 80;
+  if (!py::isinstance<py::bool_>(value) && !py::isinstance<py::int_>(value) &&
+      !py::isinstance<py::float_>(value) && !py::isinstance<py::str>(value) &&
+      !py::isinstance<py::tuple>(value)) {
+    return {};
+  }
+  const auto text = py::repr(value).cast<std::string>();
+  return text.size() <= kLongest ? text : std::string();
+}
+
 /// "<adit.Edge from_=0 to=1 kind='odometry'>": what has a short repr of its own.
 std::string shown(const py::object& self) {
   const py::object type = py::type::of(self);
@@ -156,10 +168,8 @@ std::string shown(const py::object& self) {
     if (!PyObject_TypeCheck(member.ptr(), &PyProperty_Type)) {
       continue;
     }
-    const py::object value = self.attr(name);
-    if (value.is_none() || py::isinstance<py::bool_>(value) || py::isinstance<py::int_>(value) ||
-        py::isinstance<py::float_>(value) || py::isinstance<py::str>(value)) {
-      text += " " + py::str(name).cast<std::string>() + "=" + py::repr(value).cast<std::string>();
+    if (const std::string value = shown_value(self.attr(name)); !value.empty()) {
+      text += " " + py::str(name).cast<std::string>() + "=" + value;
     }
   }
   return text + ">";

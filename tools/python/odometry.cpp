@@ -141,11 +141,11 @@ void bind_odometry(py::module_& module) {
       .def(
           "register_frame", &register_frame, py::arg("points"), py::arg("timestamps") = py::none(),
           py::kw_only(), py::arg("stamp") = py::none(),
-          "The same by its parts. points: (n, 3) or (n, 4) float32 or float64, lidar axes, m, and\n"
+          "The same by its parts. points: (n, 3) or (n, 4) numbers, lidar axes, m, and\n"
           "intensity; NaN, infinite or 0 0 0 is no return. timestamps: (n,), s after the sweep's\n"
           "start; None: all of one moment. stamp: of the start, ns, rising; None: 0.1 s after the\n"
           "one before. IMU samples up to the sweep's end are added before.\n\n"
-          "TypeError: no array of floats. ValueError: another shape, no return at all, times that\n"
+          "TypeError: no numbers. ValueError: another shape, no return at all, times that\n"
           "are not finite, a stamp that does not rise. DeviceError: the device failed.")
       .def(
           "add_imu",
