@@ -3,6 +3,7 @@
 #include "adit/slam/registration/batch_aligner.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -125,13 +126,17 @@ struct BatchAlignment::State {
   size_t next = 0;              // index of the next of them
   std::vector<size_t> taken;    // by the chunk
   std::unique_ptr<BatchChunk> chunk{};
-  uint32_t alive = 0;              // pairs of the chunk that want the next pass
-  double ms_per_point = kSlowest;  // time of a pass
-  double alive_points = 0.0;       // of the pairs that wanted the piece under way
-  BatchChunk::Passes passes{};     // of the piece under way
+  uint32_t alive = 0;  // pairs of the chunk that want the next pass
+  std::array<double, 4> ms_per_point{kSlowest, kSlowest, kSlowest, kSlowest};  // a pass, by stage
+  BatchChunk::Stage stage{};  // of the piece under way
+  double alive_points = 0.0;  // of the pairs that wanted the piece under way
+  uint32_t passes = 0;        // of the piece under way
   Clock::time_point submitted{};
   std::optional<engine::Submission> under_way{};  // destroyed first
 
+  double& ms_per_point_of(BatchChunk::Stage one) {
+    return ms_per_point.at(static_cast<size_t>(one));
+  }
   void make_chunk(double budget);
   void learn(double elapsed, bool waited, double still_alive);
 };
@@ -170,7 +175,8 @@ BatchAlignment::~BatchAlignment() = default;
 // As many pairs as their time allows, and as what they refer to fits into one buffer of the device.
 void BatchAlignment::State::make_chunk(double budget) {
   const uint64_t room = context->device().max_storage_buffer_bytes;
-  const double most_points = budget / (kPassesOfAPiece * ms_per_point);
+  const double most_points =
+      budget / (kPassesOfAPiece * ms_per_point_of(BatchChunk::Stage::iterate));
   GatheredBuffers sources;
   GatheredBuffers targets;
   std::vector<const AlignmentPair*> chosen;
@@ -200,11 +206,13 @@ void BatchAlignment::State::make_chunk(double budget) {
 // passes were computed. `still_alive` is the share of pairs that did not end. A piece that had
 // ended before anybody looked took at most so long.
 void BatchAlignment::State::learn(double elapsed, bool waited, double still_alive) {
-  const double most_passes = std::max(passes.count, 1U);
-  const double least_passes = passes.end_stage ? 1.0 : std::max(1.0, still_alive * most_passes);
-  ms_per_point = std::min(ms_per_point, elapsed / (alive_points * least_passes));
+  const double most_passes = std::max(passes, 1U);
+  const double least_passes =
+      chunk->is_between_stages() ? 1.0 : std::max(1.0, still_alive * most_passes);
+  double& ms = ms_per_point_of(stage);
+  ms = std::min(ms, elapsed / (alive_points * least_passes));
   if (waited) {
-    ms_per_point = std::max(ms_per_point, elapsed / (alive_points * most_passes));
+    ms = std::max(ms, elapsed / (alive_points * most_passes));
   }
 }
 
@@ -224,7 +232,9 @@ void BatchAlignment::submit(double budget) {
   s.alive_points =
       static_cast<double>(s.chunk->points()) * s.alive / static_cast<double>(s.chunk->size());
   constexpr double kAll = BatchChunk::kAllPasses;
-  const double passes = std::clamp(budget / (s.alive_points * s.ms_per_point), 1.0, kAll);
+  s.stage = s.chunk->stage();
+  const double passes =
+      std::clamp(budget / (s.alive_points * s.ms_per_point_of(s.stage)), 1.0, kAll);
   engine::Recorder recorder = s.context->make_recorder();
   s.passes = s.chunk->record(recorder, static_cast<uint32_t>(passes));
   s.submitted = Clock::now();

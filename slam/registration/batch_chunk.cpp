@@ -190,37 +190,36 @@ void BatchChunk::next_stage() {
   begun_ = false;
 }
 
-BatchChunk::Passes BatchChunk::record(engine::Recorder& recorder, uint32_t most) {
-  Passes passes;
+uint32_t BatchChunk::record(engine::Recorder& recorder, uint32_t most) {
+  uint32_t recorded_passes = 0;
   while (!recorded()) {
     const engine::RegistrationSettings settings = level_settings();
     const uint32_t left = kernels_->passes(stage_, settings) - pass_;
     if (left == 0 && (begun_ || stage_ != Stage::iterate)) {
       next_stage();
-      passes.end_stage = passes.count > 0;
-      if (passes.end_stage && most != kAllPasses) {
+      if (recorded_passes > 0 && most != kAllPasses) {
         break;
       }
       continue;
     }
-    if (passes.count == most) {
+    if (recorded_passes == most) {
       break;
     }
     if (!begun_) {
       begin_level(recorder);
     }
-    const uint32_t now = std::min(left, most - passes.count);
+    const uint32_t now = std::min(left, most - recorded_passes);
     const engine::Scope scope =
         recorder.scope(stage_ == Stage::iterate ? "alignment" : "assessment");
     kernels_->record(recorder, stage_, pass_, now, settings, arguments_, scratch_);
     pass_ += now;
-    passes.count += now;
+    recorded_passes += now;
   }
   if (recorded()) {
     recorder.copy(states_, readback_.slice(0, states_.size()));
   }
   recorder.copy(progress_, readback_.slice(engine::align_slice(states_.size()), progress_.size()));
-  return passes;
+  return recorded_passes;
 }
 
 uint32_t BatchChunk::look() {
@@ -235,6 +234,7 @@ uint32_t BatchChunk::look() {
   const bool counted = stage_ == Stage::iterate || stage_ == Stage::constrain;
   if (counted && remaining == 0) {
     next_stage();
+    return look();
   }
   return counted ? remaining : static_cast<uint32_t>(pairs_.size());
 }

@@ -41,6 +41,8 @@ uint32_t source_count(const AlignmentPair& pair, size_t level);
 /// as one likes.
 class BatchChunk {
  public:
+  using Stage = engine::RegistrationKernels::Stage;
+
   /// `pairs` can be aligned and fit the device; without `steps` they are assessed as they are.
   BatchChunk(engine::Context& context, const engine::RegistrationKernels& kernels,
              const AlignmentSettings& settings, std::vector<const AlignmentPair*> pairs,
@@ -51,16 +53,14 @@ class BatchChunk {
   uint32_t size() const { return static_cast<uint32_t>(pairs_.size()); }
   uint64_t points() const { return points_; }  ///< total of the sources
   bool recorded() const { return level_ == levels_; }
+  Stage stage() const { return stage_; }                 ///< of what is recorded next
+  bool is_between_stages() const { return pass_ == 0; }  ///< what is recorded next begins one
 
   static constexpr uint32_t kAllPasses = std::numeric_limits<uint32_t>::max();
-  struct Passes {
-    uint32_t count = 0;
-    bool end_stage = false;  ///< they are the last of their stage
-  };
-  /// The next passes, `most` at most and one at least. Unless these are kAllPasses, all are of one
-  /// stage: another one concerns other pairs. The last of all are followed by the copy of the
-  /// results.
-  Passes record(engine::Recorder& recorder, uint32_t most);
+  /// The next passes, `most` at most and one at least; returns how many. Unless `most` is
+  /// kAllPasses, they are of one stage: another one concerns other pairs. The last of all are
+  /// followed by the copy of the results.
+  uint32_t record(engine::Recorder& recorder, uint32_t most);
   /// After the wait for what was recorded: passes over steps that nobody needs any more. Returns
   /// how many pairs still want what comes next.
   uint32_t look();
@@ -68,8 +68,6 @@ class BatchChunk {
   std::vector<RegistrationResult> results() const;
 
  private:
-  using Stage = engine::RegistrationKernels::Stage;
-
   void begin_level(engine::Recorder& recorder);
   void next_stage();
   engine::RegistrationSettings level_settings() const;
