@@ -118,29 +118,32 @@ struct Said {
 };
 
 /// The mean of what the alignments say, each weighed by its information, and less where it is far
-/// off (Cauchy's weights), and its covariance by their scatter.
+/// off (Cauchy's weights). Its covariance is that of the information, and of the scatter as it is in
+/// each direction: the "sandwich" of White (1980), since matches err together.
 void combine(const std::vector<Said>& said, LidarMounting& mounting) {
   constexpr int kIterations = 20;  // it has settled
   Vector6d mean = Vector6d::Zero();
   double scale = 1.0;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Matrix6d information = Matrix6d::Zero();
+    Matrix6d scatter = Matrix6d::Zero();
     Vector6d sum = Vector6d::Zero();
     double weights = 0.0;
     double squares = 0.0;
     for (const Said& one : said) {
-      const Vector6d away = one.error - mean;
-      const double squared = away.dot(one.information * away) / 6.0;
+      const Vector6d pull = one.information * (one.error - mean);
+      const double squared = pull.dot(one.error - mean) / 6.0;
       const double weight = 1.0 / (1.0 + squared / scale);
       information += weight * one.information;
+      scatter += weight * weight * pull * pull.transpose();
       sum += weight * one.information * one.error;
       weights += weight;
       squares += weight * squared;
     }
-    const Eigen::LDLT<Matrix6d> solved(information);
-    mean = solved.solve(sum);
+    const Matrix6d covariance = information.ldlt().solve(Matrix6d::Identity());
+    mean = covariance * sum;
     scale = std::max(1.0, squares / weights);
-    mounting.covariance = scale * solved.solve(Matrix6d::Identity());
+    mounting.covariance = covariance + covariance * scatter * covariance;
   }
   mounting.found = mounting.expected * se3_exp(mean);
 }

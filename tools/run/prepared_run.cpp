@@ -6,6 +6,8 @@
 #include <ostream>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/run/run_settings.hpp"
 #include "adit/tools/setup/configured_recording.hpp"
@@ -47,6 +49,16 @@ SweepChoice choose_sweeps(const RunSource& source, const RunCommandOptions& opti
   return {.topic = topic, .size = size, .range = {.first = start, .count = std::min(count, rest)}};
 }
 
+/// --merge is a setting as well: poses of its topics may be among the others.
+ConfigSource config_of(const RunCommandOptions& options) {
+  ConfigSource source = options.config;
+  if (!options.merged_topics.empty()) {
+    source.overrides.push_back("recording.further_sweep_topics=" +
+                               nlohmann::json(options.merged_topics).dump());
+  }
+  return source;
+}
+
 }  // namespace
 
 PreparedRun prepare(const WantedRun& chosen, const OpenSource& open, std::ostream& err) {
@@ -57,10 +69,7 @@ PreparedRun prepare(const WantedRun& chosen, const OpenSource& open, std::ostrea
   if (!chosen.continued && !options.overwrite) {
     require_no_results(options.output);
   }
-  run.config = load_config(options.config);
-  if (!options.merged_topics.empty()) {
-    run.config.recording.further_sweep_topics = options.merged_topics;
-  }
+  run.config = load_config(config_of(options));
   run.map_use = map_use(options, run.config);
   run.source = open(run.config);
   const Recording& recording = *run.source.known;
