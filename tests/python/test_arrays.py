@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The adit authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whatever NumPy makes an array of numbers of is a cloud, a pose or times; the results are the same bits."""
+"""Clouds, poses and times may be arrays of any number type and layout, or lists; the results are the same bits."""
 
 import pickle
 
@@ -90,10 +90,10 @@ def test_align_takes_them(room):
     (np.ones((5, 3), bool), TypeError, "points: numbers are expected, not bool"),
     (np.ones((5, 3), object), TypeError, "points: numbers are expected, not object"),
     (np.zeros(5, [("x", "f4"), ("y", "f4")]), TypeError, "points: numbers are expected, not "),
-    ([["1", "2", "3"]], TypeError, "points: a NumPy array of numbers is expected, or what makes one, not list"),
-    (None, TypeError, "points: a NumPy array of numbers is expected, or what makes one, not NoneType"),
+    ([["1", "2", "3"]], TypeError, "points: an array or list of numbers is expected, not list"),
+    (None, TypeError, "points: an array or list of numbers is expected, not NoneType"),
     (object(), TypeError, "not object"),
-    ([[1.0, 2.0, 3.0], [4.0]], ValueError, "points: NumPy makes no array of this list"),
+    ([[1.0, 2.0, 3.0], [4.0]], ValueError, "points: the rows of this list differ in length"),
     ([], ValueError, r"points: has the shape \(0,\)"),
     (5.0, ValueError, r"points: has the shape \(\)"),
 ])

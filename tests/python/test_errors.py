@@ -19,7 +19,7 @@ def test_arrays_that_were_unpickled_are_taken():
 
 
 @pytest.mark.parametrize("points, error, message", [
-    ("cloud", TypeError, "points: a NumPy array of numbers is expected, or what makes one, not str"),
+    ("cloud", TypeError, "points: an array or list of numbers is expected, not str"),
     (np.ones((5, 3), bool), TypeError, "points: numbers are expected, not bool"),
     (np.ones((5, 2)), ValueError, r"points: has the shape \(5, 2\), not \(n, 3\) or \(n, 4\)"),
     (np.ones(12), ValueError, r"points: has the shape \(12,\)"),

@@ -9,10 +9,10 @@
     slam.finish_map()
 
 Poses are (4, 4) float64 and named T_a_b: they map coordinates in b to a. Points are (n, 4) float32, x y z in m and the
-sensor's intensity. Stamps are whole nanoseconds. Where arrays are wanted, all that NumPy makes arrays of numbers of is
-taken, and copied once. Errors are subclasses of adit.Error, with the program's own messages; what holds no numbers or
-has a wrong shape is TypeError and ValueError. What works on the device releases the GIL. Measurements, results and
-Config pickle. A device does not survive a fork: start processes with multiprocessing.get_context("spawn").
+sensor's intensity. Stamps are whole nanoseconds. Arguments may be arrays of any number type, or lists; adit copies them once.
+Errors are subclasses of adit.Error, with the program's own messages; arguments without numbers or of a wrong shape
+raise TypeError and ValueError. Work on the device releases the GIL. Measurements, results and Config pickle. A device
+does not survive a fork: start processes with multiprocessing.get_context("spawn").
 """
 
 from __future__ import annotations

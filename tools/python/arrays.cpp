@@ -25,7 +25,7 @@ std::string text_of(const std::vector<py::ssize_t>& shape) {
   return "(" + text + (shape.size() == 1 ? ",)" : ")");
 }
 
-/// In the order of rows, of this machine's byte order, aligned: the array itself where it is so.
+/// Row order, native byte order, aligned. An array that has all three is not copied.
 constexpr int kPlain =
     py::array::c_style | py::array::forcecast | py::detail::npy_api::NPY_ARRAY_ALIGNED_;
 template <class Number>
@@ -35,7 +35,7 @@ std::string type_name(const py::object& object) {
   return py::str(py::type::of(object).attr("__name__"));
 }
 
-/// What NumPy makes of lists and the like.
+/// Lists and other sequences become arrays.
 py::array as_array(const py::object& object, std::string_view name) {
   if (py::isinstance<py::array>(object)) {
     return py::reinterpret_borrow<py::array>(object);
@@ -47,22 +47,21 @@ py::array as_array(const py::object& object, std::string_view name) {
       throw;
     }
     throw py::value_error(
-        fmt::format("{}: NumPy makes no array of this {}", name, type_name(object)));
+        fmt::format("{}: the rows of this {} differ in length", name, type_name(object)));
   }
 }
 
-/// `kinds` are the letters by which NumPy's dtypes tell them, `wanted` is their name.
+/// `kinds` are the accepted values of dtype.kind, `wanted` is their name for messages.
 py::array as_numbers(const py::object& object, std::string_view name, std::string_view kinds,
                      std::string_view wanted) {
   py::array array = as_array(object, name);
   // NumPy makes float64 of an empty list, and of a list of other objects an array of objects.
   if (kinds.find(array.dtype().kind()) == std::string_view::npos) {
-    throw py::type_error(
-        py::isinstance<py::array>(object)
-            ? fmt::format("{}: {} are expected, not {}", name, wanted,
-                          std::string(py::str(array.dtype())))
-            : fmt::format("{}: a NumPy array of {} is expected, or what makes one, not {}", name,
-                          wanted, type_name(object)));
+    throw py::type_error(py::isinstance<py::array>(object)
+                             ? fmt::format("{}: {} are expected, not {}", name, wanted,
+                                           std::string(py::str(array.dtype())))
+                             : fmt::format("{}: an array or list of {} is expected, not {}", name,
+                                           wanted, type_name(object)));
   }
   return array;
 }
@@ -75,7 +74,7 @@ template <class Number>
 PlainArray<Number> plain(const py::array& array) {
   auto numbers = PlainArray<Number>::ensure(array);
   if (!numbers) {
-    throw std::bad_alloc();  // whatever is made of numbers can be converted
+    throw std::bad_alloc();  // the only failure: any number converts
   }
   return numbers;
 }

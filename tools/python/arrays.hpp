@@ -21,9 +21,9 @@ namespace adit::python {
 
 namespace py = pybind11;
 
-/// An array as it is; of anything else what numpy.asarray() makes of it. Throws TypeError unless
-/// that holds whole or real numbers of any size and byte order, ValueError unless its shape is
-/// this; -1 stands for any length. `name` is the argument's, for messages.
+/// An array as it is; anything else by numpy.asarray(). Throws TypeError unless it has integers or
+/// floating-point numbers of any size and byte order, ValueError unless it has this shape; -1
+/// stands for any length. `name` is the argument's, for messages.
 py::array number_array(const py::object& object, std::string_view name,
                        const std::vector<py::ssize_t>& shape);
 

@@ -327,8 +327,7 @@ void bind_clouds(py::module_& module) {
       .def(
           "align_batch", &align_batch, py::arg("pairs"),
           "Many pairs at once: (a, b) or (a, b, guess) each. An array that several pairs share is\n"
-          "prepared once. Returns an Alignment a pair, in their order. Ctrl-C ends it between two\n"
-          "steps on the device.")
+          "prepared once. Returns an Alignment a pair, in their order.")
       .def("__repr__", [](const DeviceAligner& self) { return self.text(); });
   module.def(
       "voxel_down_sample", &voxel_down_sample, py::arg("points"), py::arg("size"), py::kw_only(),

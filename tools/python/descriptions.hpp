@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What Python's tools ask of functions and objects, made for all of them from what is bound.
+// Signatures and reprs for everything that is bound, as Python's inspect and help() want them.
 #pragma once
 
 #include <string>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The fields of a struct as a tuple of references, so that what treats all of them alike (pickling)
-// needs no list of them, which somebody would forget to extend.
+// The fields of a struct as a tuple of references. Pickling uses it instead of a list of fields for
+// each struct, which somebody would forget to extend.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What Python must be asked for: its global lock, and whether a signal has come (Ctrl-C).
+// Python's global lock (GIL), and its signals (Ctrl-C).
 #pragma once
 
 #include <chrono>
@@ -21,9 +21,9 @@ inline void check_signals() {
   }
 }
 
-/// Calls it while other Python threads run. What it returns must be no Python object. Locks of
-/// adit's own are taken in here alone: whoever waited for one with the GIL would stop all. A signal
-/// that has come is handled before: C code that iterates, such as list(), never does.
+/// Calls it while other Python threads run. It must not return a Python object. Take adit's own
+/// locks only in here: a thread that waits for one with the GIL stops all others. Pending signals
+/// are handled first, since C code that iterates, such as list(), never handles them.
 template <class Call>
 auto without_gil(Call&& call) {
   check_signals();

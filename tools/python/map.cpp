@@ -43,7 +43,7 @@ class OpenMap {
       return call(std::as_const(*database_));
     });
   }
-  /// Without a check for signals, which would leave it open.
+  /// Does not check for signals: an exception would leave the map open.
   void close() {
     const py::gil_scoped_release released;
     const std::lock_guard lock(mutex_);

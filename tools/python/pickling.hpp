@@ -31,12 +31,12 @@ namespace adit::python {
 
 namespace py = pybind11;
 
-/// Values whose bytes are all that they are: copied as a block, alone or in a vector.
+/// Values without pointers: copied as a block, alone or in a vector.
 template <class Value>
 inline constexpr bool kIsPlain = (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) ||
                                  std::is_enum_v<Value> || std::is_same_v<Value, Point>;
 
-/// The value in turn by what its type is made of.
+/// Appends values field by field.
 class ByteWriter {
  public:
   template <class Value>
@@ -110,7 +110,7 @@ class ByteWriter {
   std::string bytes_;
 };
 
-/// What a ByteWriter wrote. Throws ValueError where bytes are missing or are none of the type's.
+/// Reads what a ByteWriter wrote. Throws ValueError for missing or invalid bytes.
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : left_(bytes) {}
@@ -232,8 +232,8 @@ class ByteReader {
   std::string_view left_;
 };
 
-/// What pickle keeps of an object: the version that made it, for another one's structs may differ,
-/// and its content.
+/// The state that pickle stores: the version that made it, whose structs other versions may not
+/// share, and the content.
 inline py::tuple state_of(const py::object& content) {
   return py::make_tuple(std::string(version()), content);
 }

@@ -83,7 +83,7 @@ std::unique_ptr<EventIterator> iterate(RecordingFile& recording,
   });
 }
 
-/// Without a check for signals, which would leave it open.
+/// Does not check for signals: an exception would leave the recording open.
 void close(RecordingFile& recording) {
   const py::gil_scoped_release released;
   recording.close();
