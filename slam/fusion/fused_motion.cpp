@@ -86,12 +86,14 @@ Matrix6d pose_prior(const Matrix6d& lidar_covariance) {
 
 bool is_beyond_belief(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& covariance,
                       const RegistrationResult& alignment) {
-  const PoseMeasurement measurement =
+  PoseMeasurement measurement =
       measured_pose(alignment, kWhiteModel, Eigen::Isometry3d::Identity());
+  measurement.root_information /= std::sqrt(kBeyondBelief);
   StateEstimate prediction;
   prediction.state.T_map_body = T_map_lidar;
   prediction.covariance.topLeftCorner<6, 6>() = covariance;
-  return innovation(prediction, measurement).nis > gate(measurement.known_directions);
+  return innovation(prediction, measurement).nis >
+         kChiSquared999[static_cast<size_t>(measurement.known_directions)];
 }
 
 FusedMotion::FusedMotion(const GraphSettings& settings, const SensorStart& start,

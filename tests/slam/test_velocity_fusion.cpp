@@ -67,6 +67,44 @@ test::VelocityReading noisy(const test::VelocityReading& reading) {
 
 const test::VelocityReading right = noisy([](double, const Eigen::Vector3d& v) { return v; });
 
+TEST(VelocityFusion, BeforeTheStartTheWayLeadsToTheNextSweep) {
+  const Outcome outcome = run(right);
+  std::size_t before = 0;
+  for (std::size_t i = 1; i < outcome.reports.size(); ++i) {
+    const bool fused = outcome.reports[i - 1].state == InertialState::fused;
+    ASSERT_EQ(outcome.measured[i].has_value(), !fused) << i;
+    if (fused) {
+      continue;
+    }
+    ++before;
+    EXPECT_LT(outcome.measured_errors[i], 0.015) << i;
+    const Matrix6d& covariance = outcome.measured[i]->covariance;
+    EXPECT_LT(std::sqrt(covariance.diagonal().head<3>().maxCoeff()), 0.03);
+    EXPECT_LT(outcome.measured_errors[i],
+              4.0 * std::sqrt(covariance.diagonal().head<3>().sum()));
+  }
+  EXPECT_GE(before, 5U);
+}
+
+TEST(VelocityFusion, BeforeTheStartWhatAlignmentsContradictLeadsNowhere) {
+  const auto stuck = [](double, const Eigen::Vector3d& /*v*/) {
+    return Eigen::Vector3d(Eigen::Vector3d::Zero());
+  };
+  const auto in_kilometres_an_hour = [](double, const Eigen::Vector3d& v) {
+    return Eigen::Vector3d(3.6 * v);
+  };
+  const auto reversed = [](double, const Eigen::Vector3d& v) { return Eigen::Vector3d(-v); };
+  for (const test::VelocityReading& wrong :
+       {test::VelocityReading(stuck), test::VelocityReading(in_kilometres_an_hour),
+        test::VelocityReading(reversed)}) {
+    const Outcome outcome = run(wrong);
+    EXPECT_TRUE(outcome.measured[1].has_value());
+    for (std::size_t i = 3; i < outcome.measured.size(); ++i) {
+      EXPECT_FALSE(outcome.measured[i].has_value()) << i;
+    }
+  }
+}
+
 TEST(VelocityFusion, HoldsTheDirectionThatNoMatchHolds) {
   const double without = run({}).error_after(0.0);
   const Outcome with = run(right);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <random>
 #include <string>
 #include <variant>
@@ -44,6 +45,9 @@ inline Eigen::Isometry3d T_body_lidar() {
 struct Outcome {
   std::vector<InertialReport> reports;
   std::vector<double> errors;  ///< m, of the lidar's position after each sweep
+  /// How measured velocities led to each sweep from the one before, and how far (m) from the truth.
+  std::vector<std::optional<MeasuredMotion>> measured;
+  std::vector<double> measured_errors;
   double error_after(double time) const {
     const auto from = static_cast<std::ptrdiff_t>(time / kSweep);
     return *std::max_element(errors.begin() + from, errors.end());
@@ -134,6 +138,7 @@ inline Outcome run_tracker(const Fault& fault, double duration = 10.0,
   MotionModel steady;
   Outcome outcome;
   size_t fed = 0;
+  std::optional<StampedPose> last;  // the truth at the last sweep
   for (int i = 0; i * kSweep < duration; ++i) {
     const double time = kSweep * i + (sweeps.delay ? sweeps.delay(i) : 0.0);
     for (; fed < samples.size() && samples[fed].stamp <= at_seconds(time + kSweep); ++fed) {
@@ -150,6 +155,15 @@ inline Outcome run_tracker(const Fault& fault, double duration = 10.0,
     const Nanoseconds stamp = at_seconds(time);
     const Eigen::Isometry3d truth = motion.state(time).T_map_body * T_body_lidar();
     const Eigen::Isometry3d guess = steady.predict(stamp).T_map_lidar;
+    outcome.measured.push_back(
+        last ? tracker.measured_motion(last->stamp, stamp) : std::nullopt);
+    outcome.measured_errors.push_back(
+        outcome.measured.back()
+            ? (outcome.measured.back()->T_begin_end.translation() -
+               (last->pose.inverse() * truth).translation())
+                  .norm()
+            : 0.0);
+    last = StampedPose{stamp, truth};
     tracker.predict(stamp, kSweep);
     Vector6d error = Vector6d::NullaryExpr([&] { return normal(random); });
     error.head<3>() *= 0.002;
