@@ -6,8 +6,8 @@
 
 namespace adit {
 
-/// Long work calls it between its parts, on the caller's thread, some times a second. It may throw:
-/// that ends the work, and comes out of it. Empty: the work is done in one go.
+/// Long work calls it between its parts, on the caller's thread, several times a second or more.
+/// An exception that it throws ends the work and reaches the caller. It may be empty.
 using Checkpoint = std::function<void()>;
 
 /// Calls it where there is one.
