@@ -35,10 +35,10 @@ def test_a_spawned_pool_aligns(room):
         assert np.array_equal(one.T_a_b, expected.T_a_b) and np.array_equal(one.covariance, expected.covariance)
 
 
-def run(script, **more):
+def run(script):
     """Runs a script in a process of its own."""
     return subprocess.run([sys.executable, "-c", textwrap.dedent(script)], capture_output=True, text=True, timeout=120,
-                          env={**os.environ, **PATHS}, **more)
+                          env={**os.environ, **PATHS})
 
 
 FORK = '''
