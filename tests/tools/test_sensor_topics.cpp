@@ -290,10 +290,10 @@ TEST(SensorTopics, AWrongVelocityTopicIsAnErrorThatNamesThoseThatThereAre) {
   const GivenRecording recording = with_velocities();
   EXPECT_EQ(error_of(recording, "/wheel"),
             "recording.velocity_topic: the recording has no velocities on '/wheel'; it has "
-            "velocities on /wheels, /odom, /radar.");
-  EXPECT_EQ(error_of(recording, "/pose"),
-            "recording.velocity_topic: the recording has no velocities on '/pose', which has "
-            "geometry_msgs/PoseStamped; it has velocities on /wheels, /odom, /radar.");
+            "velocities on /wheels, /odom, /pose, /radar.");
+  EXPECT_EQ(error_of(recording, "/points"),
+            "recording.velocity_topic: the recording has no velocities on '/points', which has "
+            "sensor_msgs/PointCloud2; it has velocities on /wheels, /odom, /pose, /radar.");
   EXPECT_EQ(error_of(GivenRecording({kPoints}, {sweep_event(0, 0, "lidar")}), "/wheels"),
             "recording.velocity_topic: the recording has no velocities on '/wheels'; it has none.");
 }
