@@ -124,6 +124,7 @@ SweepResult Odometry::finish() {
     impl_->begin_again(begun);
   }
   impl_->fuse(begun.expected, result);
+  result.way_measured = begun.expected.measured && result.inertial.state == InertialState::starting;
   result.state = impl_->decide(begun.expected, result);
   if (result.state != OdometryState::coasting) {
     impl_->reach = begun.reach;

@@ -117,6 +117,7 @@ void RunAssessor::add(const SweepResult& result) {
       .stamp = result.stamp, .T_map_lidar = result.T_map_lidar, .uncertainty = result.uncertainty};
   seen.aligned = result.state == OdometryState::tracking;
   seen.inertial = result.inertial.nav.has_value();
+  seen.measured = result.way_measured;
   seen.leapt = result.leapt;
   const RegistrationResult& alignment = result.registration;
   if (seen.aligned) {
@@ -195,7 +196,7 @@ void RunAssessor::look_for_unheld() {
   DoubtfulStretch& stretch = note(DoubtCause::unheld, kWindow);
   const Eigen::Vector3d& direction = recent_.back().direction;
   stretch.direction += stretch.direction.dot(direction) < 0.0 ? -direction : direction;
-  if (stretch.alone > kLostAfter) {
+  if (stretch.alone > kLostAfter && !stretch.by_velocities()) {
     stretch.trust = Trust::lost;
   }
 }
@@ -268,6 +269,7 @@ DoubtfulStretch& RunAssessor::note(DoubtCause cause, size_t sweeps) {
       stretch->distance += step;
       stretch->alone += recent_[i].inertial ? 0.0 : step;
       stretch->fused += recent_[i].inertial ? 1U : 0U;
+      stretch->measured += recent_[i].measured ? 1U : 0U;
     }
   }
   stretch->last = count_ - 1;

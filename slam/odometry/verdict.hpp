@@ -44,7 +44,8 @@ struct DoubtfulStretch {
   Nanoseconds end{0};                     ///< stamp of the last
   double distance = 0.0;                  ///< m, travelled in it by the estimate
   size_t fused = 0;                       ///< sweeps of it in which an inertial sensor was fused
-  double alone = 0.0;                     ///< m, travelled in it without one
+  size_t measured = 0;  ///< sweeps of it that measured velocities led to, without one
+  double alone = 0.0;   ///< m, travelled in it without one
   /// m, of the way since its first sweep, along what was held least: standard deviation, at most.
   double sigma = 0.0;
   /// unheld: the direction of translation that was held least, map frame, unit; zero where it was a
@@ -59,6 +60,8 @@ struct DoubtfulStretch {
 
   /// An inertial sensor was fused in most of it.
   bool inertial() const { return 2 * fused > last - first + 1; }
+  /// Measured velocities, whose scale nobody had compared, led through most of it.
+  bool by_velocities() const { return 2 * measured > last - first + 1; }
 };
 
 /// Loops moved keyframes of the map against each other by more than the odometry bears out: it
@@ -100,6 +103,7 @@ class RunAssessor {
     bool aligned = false;
     bool unheld = false;
     bool inertial = false;
+    bool measured = false;
     bool leapt = false;
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unheld, map frame
     double innovation = 0.0;  ///< squared, per degree of freedom; negative: none

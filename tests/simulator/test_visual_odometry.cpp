@@ -49,7 +49,8 @@ TEST(VisualOdometry, ItsScaleIsOffAndDriftsAndItsTurnsAreRight) {
 
 TEST(VisualOdometry, ItLeapsAndIsLostWhereThatIsAsked) {
   const auto at = [](const char* fault, int s) {
-    ReferencePose pose{.stamp = std::chrono::seconds(s)};
+    ReferencePose pose;
+    pose.stamp = std::chrono::seconds(s);
     pose.T_parent_child.translation().x() = 10.0;
     FaultMaker({fault_named(fault)}, 20.0, 1).distort(pose);
     return Eigen::Vector3d(pose.T_parent_child.translation());

@@ -80,8 +80,7 @@ TEST(VelocityFusion, BeforeTheStartTheWayLeadsToTheNextSweep) {
     EXPECT_LT(outcome.measured_errors[i], 0.015) << i;
     const Matrix6d& covariance = outcome.measured[i]->covariance;
     EXPECT_LT(std::sqrt(covariance.diagonal().head<3>().maxCoeff()), 0.03);
-    EXPECT_LT(outcome.measured_errors[i],
-              4.0 * std::sqrt(covariance.diagonal().head<3>().sum()));
+    EXPECT_LT(outcome.measured_errors[i], 4.0 * std::sqrt(covariance.diagonal().head<3>().sum()));
   }
   EXPECT_GE(before, 5U);
 }

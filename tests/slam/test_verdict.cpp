@@ -107,6 +107,21 @@ TEST(Verdict, ATunnelByLidarAloneIsDoubtfulWhereItIsAndLostWhereItIsLong) {
   EXPECT_NEAR(longer.stretches[0].distance, 20.0, 3.0);
 }
 
+TEST(Verdict, WhereVelocitiesLedBeforeTheStartItIsDoubtfulHoweverFar) {
+  Ride run;
+  RunAssessor assessor;
+  for (int i = 0; i < 60; ++i) {
+    SweepResult result = Ride::unheld(run.next(0.5));
+    result.way_measured = true;
+    assessor.add(result);
+  }
+  const Verdict verdict = assessor.verdict();
+  ASSERT_EQ(verdict.stretches.size(), 1U);
+  EXPECT_EQ(verdict.trust, Trust::doubtful);
+  EXPECT_TRUE(verdict.stretches[0].by_velocities());
+  EXPECT_FALSE(verdict.stretches[0].inertial());
+}
+
 // A velocity counts where it is fused, along the direction that it measures, with a known scale.
 TEST(Verdict, AMeasuredWayHoldsWhatNoMatchHolds) {
   const auto trust = [](const auto& change) {

@@ -155,14 +155,12 @@ inline Outcome run_tracker(const Fault& fault, double duration = 10.0,
     const Nanoseconds stamp = at_seconds(time);
     const Eigen::Isometry3d truth = motion.state(time).T_map_body * T_body_lidar();
     const Eigen::Isometry3d guess = steady.predict(stamp).T_map_lidar;
-    outcome.measured.push_back(
-        last ? tracker.measured_motion(last->stamp, stamp) : std::nullopt);
-    outcome.measured_errors.push_back(
-        outcome.measured.back()
-            ? (outcome.measured.back()->T_begin_end.translation() -
-               (last->pose.inverse() * truth).translation())
-                  .norm()
-            : 0.0);
+    outcome.measured.push_back(last ? tracker.measured_motion(last->stamp, stamp) : std::nullopt);
+    outcome.measured_errors.push_back(outcome.measured.back()
+                                          ? (outcome.measured.back()->T_begin_end.translation() -
+                                             (last->pose.inverse() * truth).translation())
+                                                .norm()
+                                          : 0.0);
     last = StampedPose{stamp, truth};
     tracker.predict(stamp, kSweep);
     Vector6d error = Vector6d::NullaryExpr([&] { return normal(random); });

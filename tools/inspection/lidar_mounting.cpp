@@ -118,8 +118,8 @@ struct Said {
 };
 
 /// The mean of what the alignments say, each weighed by its information, and less where it is far
-/// off (Cauchy's weights). Its covariance is that of the information, and of the scatter as it is in
-/// each direction: the "sandwich" of White (1980), since matches err together.
+/// off (Cauchy's weights). Its covariance is that of the information, and of the scatter as it is
+/// in each direction: the "sandwich" of White (1980), since matches err together.
 void combine(const std::vector<Said>& said, LidarMounting& mounting) {
   constexpr int kIterations = 20;  // it has settled
   Vector6d mean = Vector6d::Zero();

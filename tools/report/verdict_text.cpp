@@ -46,6 +46,9 @@ std::string cause_text(const DoubtfulStretch& stretch) {
                   ? fmt::format(", the IMU alone did, to {:.2f} m (one sigma); loops or GNSS would "
                                 "tell",
                                 stretch.sigma)
+              : stretch.by_velocities()
+                  ? ", measured velocities alone did, before the IMU had started: nothing has "
+                    "compared their scale; begin at rest, or where more is in sight"
                   : ", and no IMU did: its position in that direction is a guess; fuse an IMU, "
                     "or use a sensor that sees farther");
     case DoubtCause::predicted:
