@@ -19,6 +19,9 @@ constexpr double kUsualPeriod = 0.1;  // s
 constexpr std::size_t kIntervals = 9;
 // Of its own, without which a sensor is behind: one message may be lost, two in a row rarely are.
 constexpr int kSilentPeriods = 2;
+// Sweeps of one sensor that wait for another: seconds of them, whatever their stamps say.
+constexpr std::size_t kMostPending = 64;
+constexpr double kLongestSweep = 3600.0;  // s, the time of a point beyond is none
 constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
 
 /// In the lidar's axes; each point has a time, and those out of the sensor's range are none.
@@ -44,7 +47,7 @@ Sweep in_lidar_axes(Sweep sweep, const MergedSensor& sensor) {
 
 Nanoseconds time_of(const Sweep& sweep, std::size_t i) {
   const double time = sweep.times[i];
-  return std::isfinite(time) ? sweep.stamp + nanoseconds(time) : sweep.stamp;
+  return std::abs(time) <= kLongestSweep ? sweep.stamp + nanoseconds(time) : sweep.stamp;
 }
 
 /// A value of a list that not each sensor has.
@@ -115,7 +118,7 @@ Nanoseconds SweepMerger::period(const Source& source) const {
 }
 
 bool SweepMerger::is_silent(const Source& source) const {
-  return flushing_ ||
+  return flushing_ || sources_[lead_].pending.size() > kMostPending ||
          *newest_ - source.newest.value_or(*first_) > (kSilentPeriods + 1) * period(source);
 }
 
