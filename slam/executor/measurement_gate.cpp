@@ -8,13 +8,11 @@
 
 #include <Eigen/Cholesky>
 
+#include "adit/slam/executor/longest_sweep.hpp"
 #include "adit/slam/gnss/gnss_noise.hpp"
 
 namespace adit {
 namespace {
-
-/// No sweep lasts an hour, and a stamp plus an hour is still a stamp.
-constexpr float kLongestSweep = 3600.0F;  // s
 
 /// A variance in each direction, none of them negative. Zeros are variances that nobody filled in.
 bool is_covariance(const Eigen::Matrix2d& level, double height) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "adit/slam/core/median.hpp"
+#include "adit/slam/executor/longest_sweep.hpp"
 
 namespace adit {
 namespace {
@@ -21,7 +22,6 @@ constexpr std::size_t kIntervals = 9;
 constexpr int kSilentPeriods = 2;
 // Sweeps of one sensor that wait for another: seconds of them, whatever their stamps say.
 constexpr std::size_t kMostPending = 64;
-constexpr double kLongestSweep = 3600.0;  // s, the time of a point beyond is none
 constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
 
 /// In the lidar's axes; each point has a time, and those out of the sensor's range are none.
@@ -46,8 +46,9 @@ Sweep in_lidar_axes(Sweep sweep, const MergedSensor& sensor) {
 }
 
 Nanoseconds time_of(const Sweep& sweep, std::size_t i) {
-  const double time = sweep.times[i];
-  return std::abs(time) <= kLongestSweep ? sweep.stamp + nanoseconds(time) : sweep.stamp;
+  const float time = sweep.times[i];
+  return std::abs(time) <= kLongestSweep ? sweep.stamp + nanoseconds(static_cast<double>(time))
+                                         : sweep.stamp;
 }
 
 /// A value of a list that not each sensor has.
