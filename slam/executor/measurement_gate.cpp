@@ -8,7 +8,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "adit/slam/executor/longest_sweep.hpp"
+#include "adit/slam/core/longest_sweep.hpp"
 #include "adit/slam/gnss/gnss_noise.hpp"
 
 namespace adit {

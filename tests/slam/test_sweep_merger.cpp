@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/executor/sweep_merger.hpp"
+#include "adit/slam/core/sweep_merger.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "adit/slam/executor/sweep_merger.hpp"
+#include "adit/slam/core/sweep_merger.hpp"
 #include "adit/tools/recordings/recording.hpp"
 
 namespace adit {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/executor/sweep_merger.hpp"
+#include "adit/slam/core/sweep_merger.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "adit/slam/core/longest_sweep.hpp"
 #include "adit/slam/core/median.hpp"
-#include "adit/slam/executor/longest_sweep.hpp"
 
 namespace adit {
 namespace {
