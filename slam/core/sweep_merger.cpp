@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "adit/slam/core/longest_sweep.hpp"
+#include "adit/slam/core/farthest_point_time.hpp"
 #include "adit/slam/core/median.hpp"
 
 namespace adit {
@@ -18,10 +18,11 @@ namespace {
 constexpr double kUsualPeriod = 0.1;  // s
 // The median of so many intervals is right where four of them are not.
 constexpr std::size_t kIntervals = 9;
-// Of its own, without which a sensor is behind: one message may be lost, two in a row rarely are.
+// A sensor that is silent for so many of its periods is not waited for: one message may be lost,
+// two in a row rarely are.
 constexpr int kSilentPeriods = 2;
 // Sweeps of one sensor that wait for another: seconds of them, whatever their stamps say.
-constexpr std::size_t kMostPending = 64;
+constexpr std::ptrdiff_t kMostPending = 64;
 constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
 
 /// In the lidar's axes; each point has a time, and those out of the sensor's range are none.
@@ -47,8 +48,8 @@ Sweep in_lidar_axes(Sweep sweep, const MergedSensor& sensor) {
 
 Nanoseconds time_of(const Sweep& sweep, std::size_t i) {
   const float time = sweep.times[i];
-  return std::abs(time) <= kLongestSweep ? sweep.stamp + nanoseconds(static_cast<double>(time))
-                                         : sweep.stamp;
+  return std::abs(time) <= kFarthestPointTime ? sweep.stamp + nanoseconds(static_cast<double>(time))
+                                              : sweep.stamp;
 }
 
 /// A value of a list that not each sensor has.
@@ -95,7 +96,8 @@ void SweepMerger::add(std::size_t sensor, Sweep sweep) {
     return;
   }
   if (source.newest && sweep.stamp > *source.newest) {
-    source.intervals.push_back(seconds(sweep.stamp - *source.newest));
+    source.intervals.push_back(
+        std::min<double>(seconds(sweep.stamp - *source.newest), kFarthestPointTime));
     if (source.intervals.size() > kIntervals) {
       source.intervals.pop_front();
     }
@@ -119,7 +121,10 @@ Nanoseconds SweepMerger::period(const Source& source) const {
 }
 
 bool SweepMerger::is_silent(const Source& source) const {
-  return flushing_ || sources_[lead_].pending.size() > kMostPending ||
+  const auto waits = std::ranges::count_if(sources_[lead_].pending, [&](const Sweep& sweep) {
+    return !begin_ || sweep.stamp >= *begin_;
+  });
+  return flushing_ || waits > kMostPending ||
          *newest_ - source.newest.value_or(*first_) > (kSilentPeriods + 1) * period(source);
 }
 

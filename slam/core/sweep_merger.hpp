@@ -51,9 +51,10 @@ class SweepMerger {
   /// Nothing more comes: what is held is due. add() may go on after that.
   void flush() { flushing_ = true; }
 
-  /// The next merged sweep; nothing where it needs further sweeps, or a flush(). Its stamp is the
-  /// time of its first point. Doppler speeds are those of the first sensor's points alone, since
-  /// each is along the ray from its own sensor; those of others are NaN.
+  /// The next merged sweep; nothing where it needs further sweeps, or a flush(). Its stamp is that
+  /// of the sweep at which it was cut, or of an earlier point. Doppler speeds are those of the
+  /// first sensor's points alone, since each is along the ray from its own sensor; those of others
+  /// are NaN.
   std::optional<Sweep> next();
 
   /// By sensor.

@@ -8,7 +8,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "adit/slam/core/longest_sweep.hpp"
+#include "adit/slam/core/farthest_point_time.hpp"
 #include "adit/slam/gnss/gnss_noise.hpp"
 
 namespace adit {
@@ -56,7 +56,7 @@ void MeasurementGate::mend(Sweep& sweep) {
     }
   }
   for (float& time : sweep.times) {
-    if (!(std::abs(time) <= kLongestSweep)) {
+    if (!(std::abs(time) <= kFarthestPointTime)) {
       time = std::numeric_limits<float>::quiet_NaN();
       ++faults_.times;
     }

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 #include "adit/slam/fusion/inertial_tracker.hpp"
 #include "adit/slam/fusion/state_checks.hpp"
 #include "adit/slam/inertial/imu_rest.hpp"
@@ -80,30 +82,30 @@ std::optional<MeasuredMotion> InertialTracker::measured_motion(Nanoseconds begin
   }
   NavState from;
   from.stamp = begin;
-  const std::vector<MeasuredWay> ways = ways_until(end, from);
-  if (ways.empty()) {
-    return std::nullopt;
-  }
-  const MeasuredWay& way =
-      ways.back();  // by Doppler speeds, where there are any: they have no scale
   const Eigen::Matrix3d R_body_lidar = T_body_lidar_.linear();
+  const Eigen::Matrix3d R_end_body = (R_body_lidar * *turned).transpose();
   Eigen::Isometry3d T_body = Eigen::Isometry3d::Identity();
   T_body.linear() = R_body_lidar * *turned * R_body_lidar.transpose();
-  T_body.translation() = way.way + way.p_body_sensor - T_body.linear() * way.p_body_sensor;
-  Eigen::Matrix3d errors = way.covariance;
-  if (way.source == VelocitySource::sensor) {
-    errors += square(velocity_.scale_sigma) * way.way * way.way.transpose() +
-              square(velocity_.turn_sigma) * way.by_turn * way.by_turn.transpose();
+  std::vector<MeasuredWay> ways = ways_until(end, from);
+  std::ranges::reverse(ways);  // Doppler speeds first: they have no scale
+  for (const MeasuredWay& way : ways) {
+    T_body.translation() = way.way + way.p_body_sensor - T_body.linear() * way.p_body_sensor;
+    Eigen::Matrix3d errors = way.covariance;
+    if (way.source == VelocitySource::sensor) {
+      errors += square(velocity_.scale_sigma) * way.way * way.way.transpose() +
+                square(velocity_.turn_sigma) * way.by_turn * way.by_turn.transpose();
+    }
+    const double largest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(errors).eigenvalues()[2];
+    if (largest > square(kTrustedPosition)) {
+      continue;
+    }
+    MeasuredMotion motion{.T_begin_end = T_body_lidar_.inverse() * T_body * T_body_lidar_};
+    motion.covariance.topLeftCorner<3, 3>() = R_end_body * errors * R_end_body.transpose();
+    motion.covariance.bottomRightCorner<3, 3>() =
+        Prediction{}.sigma.tail<3>().cwiseAbs2().asDiagonal();
+    return motion;
   }
-  MeasuredMotion motion{.T_begin_end = T_body_lidar_.inverse() * T_body * T_body_lidar_};
-  const Eigen::Matrix3d R_end_body = (R_body_lidar * *turned).transpose();
-  motion.covariance.topLeftCorner<3, 3>() = R_end_body * errors * R_end_body.transpose();
-  motion.covariance.bottomRightCorner<3, 3>() =
-      Prediction{}.sigma.tail<3>().cwiseAbs2().asDiagonal();
-  if (motion.covariance.diagonal().head<3>().maxCoeff() > square(kTrustedPosition)) {
-    return std::nullopt;
-  }
-  return motion;
+  return std::nullopt;
 }
 
 /// What measures another body's velocity must not lead this one's first sweeps.

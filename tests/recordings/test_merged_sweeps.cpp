@@ -63,6 +63,12 @@ TEST(MergedRecording, SweepsOfBothAreOneSeriesOfTheFirstTopic) {
   EXPECT_EQ(merged.notes()[1], "/rear: 20 sweeps, 20 points in 20 merged sweeps");
 }
 
+TEST(MergedRecording, WithoutATopicAllAreRead) {
+  const GivenRecording recording = two_lidars();
+  const MergedRecording merged(recording, both(), "drive");
+  EXPECT_EQ(read_all(merged, {}).events.size(), std::size_t{2 * kSweeps});
+}
+
 TEST(MergedRecording, SweepsThatAreSkippedAreMergedOnes) {
   const GivenRecording recording = two_lidars();
   const MergedRecording merged(recording, both(), "drive");

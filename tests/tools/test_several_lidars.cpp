@@ -75,6 +75,23 @@ TEST(SeveralLidars, ARunMapsThemAsOneAndIsTheSameWhenItIsRepeated) {
   ASSERT_EQ(test::ran(run_command, merging(recording, folder / "again")).code, 0);
   EXPECT_EQ(test::content(folder / "out" / "trajectory.tum"),
             test::content(folder / "again" / "trajectory.tum"));
+  // How many there are is not known before: neither a count beyond the end nor the map's settings
+  // make sweeps that are missing.
+  RunCommandOptions counted = merging(recording, folder / "counted");
+  counted.count = 1000;
+  RunCommandOptions from = merging(recording, folder / "from");
+  from.recording.clear();
+  from.topic.reset();
+  from.merged_topics.clear();
+  from.from = folder / "out" / "map.adit";
+  for (const RunCommandOptions& options : {counted, from}) {
+    const test::Ran other = test::ran(run_command, options);
+    ASSERT_EQ(other.code, 0) << other.err;
+    const nlohmann::json coverage =
+        test::json_of(options.output / "summary.json")["verdict"]["coverage"];
+    EXPECT_EQ(coverage["sweeps"], 15) << options.output;
+    EXPECT_EQ(coverage["missing"], 0);
+  }
   RunCommandOptions alone = merging(recording, folder / "alone");
   alone.merged_topics.clear();
   ASSERT_EQ(test::ran(run_command, alone).code, 0);

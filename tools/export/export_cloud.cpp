@@ -148,7 +148,8 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
   const RecordedSensors sensors = choose_sensors(*whole, topic, settings);
   const OneSensorRecording mapped(*whole, sensors.frames);
   const MergedRecording merged(mapped, sensors.sweeps, path);
-  const auto stream = merged.events({.topics = {topic}});
+  const auto whole_merged = pass_over_damage(merged, [&](const InputError&) { ++damaged; });
+  const auto stream = whole_merged->events({.topics = {topic}});
   while (const std::optional<Event> event = stream->next()) {
     const auto& sweep = std::get<Sweep>(event->value);
     const auto stretch = sensor.from(sweep.stamp);

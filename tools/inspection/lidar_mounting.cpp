@@ -12,10 +12,12 @@
 #include <fmt/core.h>
 #include <Eigen/Cholesky>
 
+#include "adit/slam/core/farthest_point_time.hpp"
 #include "adit/slam/core/units.hpp"
 #include "adit/slam/inertial/rotation_comparison.hpp"
 #include "adit/slam/odometry/odometry.hpp"
 #include "adit/slam/registration/cloud_aligner.hpp"
+#include "adit/slam/registration/front_end.hpp"
 #include "adit/tools/map_products/dense_cloud.hpp"
 #include "adit/tools/recordings/tolerant_recording.hpp"
 
@@ -49,22 +51,29 @@ Stretch read_stretch(const Recording& recording, const MergedTopic& first,
     if (sweep == nullptr) {
       continue;
     }
+    const bool mapped = !stretch.poses.empty();
+    if (mapped && seconds(sweep->stamp - stretch.poses.front().stamp) > kMappedTime) {
+      break;
+    }
     if (event->topic == further.topic) {
-      stretch.further.push_back(std::move(*sweep));
+      if (mapped) {
+        stretch.further.push_back(std::move(*sweep));
+      }
       continue;
     }
-    if (!stretch.poses.empty() && sweep->stamp <= stretch.poses.back().stamp) {
+    if (mapped && sweep->stamp <= stretch.poses.back().stamp) {
       continue;
     }
     const SweepResult result = odometry.step(*sweep);
     stretch.poses.push_back({.stamp = sweep->stamp, .pose = result.T_map_lidar});
-    for (Point point : odometry.cloud()) {
+    const std::vector<Point> cloud = odometry.cloud();
+    if (stretch.map.size() + cloud.size() > kLargestSweep) {
+      break;  // as much as can be aligned with
+    }
+    for (const Point& point : cloud) {
       const Eigen::Vector3f p =
           (result.T_map_lidar * Eigen::Vector3d(point.x, point.y, point.z)).cast<float>();
       stretch.map.push_back({p.x(), p.y(), p.z(), point.intensity});
-    }
-    if (seconds(sweep->stamp - stretch.poses.front().stamp) > kMappedTime) {
-      break;
     }
   }
   return stretch;
@@ -94,7 +103,7 @@ std::optional<PlacedSweep> placed(const Sweep& sweep, const std::vector<StampedP
     const Point& point = sweep.points[i];
     const double time = sweep.times.empty() ? 0.0 : static_cast<double>(sweep.times[i]);
     const Eigen::Vector3d p = Eigen::Vector3d(point.x, point.y, point.z) + sweep.offset;
-    if (!p.allFinite() || p.isZero(0.0) || !std::isfinite(time)) {
+    if (!p.allFinite() || p.isZero(0.0) || !(std::abs(time) <= kFarthestPointTime)) {
       continue;
     }
     const Eigen::Vector3f q =
@@ -191,7 +200,7 @@ LidarMounting check_lidar_mounting(const Recording& recording, const MergedTopic
   const AlignableCloud map =
       aligner.prepare(stretch.map, stretch.poses[stretch.poses.size() / 2].pose.translation());
   std::vector<Said> said;
-  const std::size_t every = std::max<std::size_t>(1, stretch.further.size() / kCompared);
+  const std::size_t every = (stretch.further.size() + kCompared - 1) / kCompared;
   for (std::size_t i = 0; i < stretch.further.size(); i += every) {
     const auto sweep = placed(stretch.further[i], stretch.poses, mounting.expected);
     if (!sweep) {
@@ -242,10 +251,10 @@ std::vector<Finding> find_in_mounting(const LidarMounting& mounting) {
   if (!turned && !shifted) {
     return {};
   }
-  return {
-      {Severity::problem, "lidar_mounting", mounting.topic, describe(mounting),
-       fmt::format("its points lie {:.2f} m off at 10 m", away.shift + 10.0 * away.turn),
-       "Correct the transform, or set recording.T_lidar_further to " + text_of(*mounting.found)}};
+  return {{Severity::problem, "lidar_mounting", mounting.topic, describe(mounting),
+           fmt::format("its points lie {:.2f} m off at 10 m", away.shift + 10.0 * away.turn),
+           "Correct the transform, or use the recording.T_lidar_further that --write-config "
+           "writes"}};
 }
 
 }  // namespace adit

@@ -104,13 +104,17 @@ std::vector<std::size_t> SensorTopics::all() const {
 OpenRecording::OpenRecording(const std::filesystem::path& path, const Config& config, bool strict)
     : path_(path), config_(config), recording_(open_recording(path, config.recording)) {
   if (!strict) {
-    whole_ = pass_over_damage(*recording_, [this](const InputError& error) {
-      const std::lock_guard lock(mutex_);
-      if (std::ranges::find(damage_, error.what()) == damage_.end()) {
-        damage_.emplace_back(error.what());
-      }
-    });
+    whole_ = without_damage(*recording_);
   }
+}
+
+std::unique_ptr<Recording> OpenRecording::without_damage(const Recording& recording) const {
+  return pass_over_damage(recording, [this](const InputError& error) {
+    const std::lock_guard lock(mutex_);
+    if (std::ranges::find(damage_, error.what()) == damage_.end()) {
+      damage_.emplace_back(error.what());
+    }
+  });
 }
 
 SensorTopics OpenRecording::sensors() const {
@@ -123,6 +127,7 @@ SensorTopics OpenRecording::sensors() const {
     transforms_ = std::move(chosen.transforms.transforms);
     mapped_.emplace(whole_ ? *whole_ : *recording_, chosen.frames);
     merged_.emplace(*mapped_, chosen.sweeps, path_);
+    whole_merged_ = whole_ ? without_damage(*merged_) : nullptr;
     static_cast<void>(require_clear_point_times(OneSensorRecording(*recording_, chosen.frames),
                                                 sensors.sweeps, path_));
     sensors_ = sensors;
@@ -153,7 +158,8 @@ std::unique_ptr<EventStream> OpenRecording::events(const std::vector<std::size_t
 
 std::unique_ptr<EventStream> OpenRecording::mapped_events() const {
   const SensorTopics chosen = sensors();
-  return merged_->events({.topics = chosen.all(), .velocities_of = chosen.velocity});
+  const Recording& mapped = whole_merged_ ? *whole_merged_ : *merged_;
+  return mapped.events({.topics = chosen.all(), .velocities_of = chosen.velocity});
 }
 
 std::vector<std::string> OpenRecording::damage() const {

@@ -58,16 +58,19 @@ class OpenRecording {
   std::vector<std::string> damage() const;
 
  private:
+  std::unique_ptr<Recording> without_damage(const Recording& recording) const;
+
   std::filesystem::path path_;
   Config config_;
   std::unique_ptr<Recording> recording_;
   std::unique_ptr<Recording> whole_;  ///< the same without its damage; null: strict
   mutable std::mutex mutex_;
-  std::vector<std::string> damage_;
+  mutable std::vector<std::string> damage_;
   mutable std::optional<SensorTopics> sensors_;
-  mutable std::optional<OneSensorRecording> mapped_;  ///< with sensors_
-  mutable std::optional<MergedRecording> merged_;     ///< the same, of all range sensors
-  mutable std::vector<StaticTransform> transforms_;   ///< with sensors_
+  mutable std::optional<OneSensorRecording> mapped_;   ///< with sensors_
+  mutable std::optional<MergedRecording> merged_;      ///< the same, of all range sensors
+  mutable std::unique_ptr<Recording> whole_merged_{};  ///< without its damage; null: strict
+  mutable std::vector<StaticTransform> transforms_;    ///< with sensors_
 };
 
 /// Events that are read from a recording until it is closed.

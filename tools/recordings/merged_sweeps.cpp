@@ -30,12 +30,19 @@ class MergedStream final : public EventStream {
   MergedStream(const MergedRecording& recording, EventSelection selection)
       : recording_(&recording), merger_(sensors_of(recording.sweeps_)), skip_(selection.skip) {
     selection.skip = 0;
-    for (std::size_t i = 1; i < recording.sweeps_.size(); ++i) {
+    for (std::size_t i = 1; i < recording.sweeps_.size() && !selection.topics.empty(); ++i) {
       selection.topics.push_back(recording.sweeps_[i].topic);
     }
     events_ = with_steady_stamps(recording.recording_->events(selection), recording.topics_,
                                  recording.path_);
   }
+
+  ~MergedStream() override {
+    const std::lock_guard lock(recording_->mutex_);
+    recording_->counts_ = merger_.counts();
+  }
+  MergedStream(const MergedStream&) = delete;
+  MergedStream& operator=(const MergedStream&) = delete;
 
   std::optional<Event> next() override {
     while (true) {
@@ -46,7 +53,6 @@ class MergedStream final : public EventStream {
         continue;
       }
       if (ended_) {
-        note_counts();
         return std::nullopt;
       }
       std::optional<Event> event = events_->next();
@@ -54,9 +60,9 @@ class MergedStream final : public EventStream {
         ended_ = true;
         merger_.flush();
       } else if (const auto sensor = sensor_of(*event)) {
-        latest_ = *event;
-        latest_.value = Sweep{};
-        merger_.add(*sensor, std::move(std::get<Sweep>(event->value)));
+        Sweep sweep = std::move(std::get<Sweep>(event->value));
+        latest_ = std::move(*event);
+        merger_.add(*sensor, std::move(sweep));
       } else {
         return event;
       }
@@ -79,11 +85,6 @@ class MergedStream final : public EventStream {
     event.frame = recording_->sweeps_.front().frame;
     event.value = std::move(sweep);
     return event;
-  }
-
-  void note_counts() {
-    const std::lock_guard lock(recording_->mutex_);
-    recording_->counts_ = merger_.counts();
   }
 
   const MergedRecording* recording_;

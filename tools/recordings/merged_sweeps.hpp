@@ -37,8 +37,8 @@ class MergedRecording final : public Recording {
   std::optional<double> recorded_wait() const override { return recording_->recorded_wait(); }
   std::unique_ptr<EventStream> events(const EventSelection& selection) const override;
 
-  /// What became of each sensor's sweeps in the stream that was read last, a sentence each; none
-  /// with one topic.
+  /// What became of each sensor's sweeps in the stream that ended last, a sentence each; none with
+  /// one topic.
   std::vector<std::string> notes() const;
 
  private:

@@ -37,12 +37,12 @@ SweepChoice choose_sweeps(const RunSource& source, const RunCommandOptions& opti
     throw UsageError("--start " + std::to_string(start) + ": the recording has the sweeps 0 to " +
                      std::to_string(size - 1) + ".");
   }
-  if (!config.further_sweep_topics.empty()) {
+  if (!config.further_sweep_topics.empty()) {  // merged: how many they make is known in the end
     const auto count = static_cast<std::size_t>(options.count.value_or(kUnknownTotal));
     return {.topic = topic,
             .size = size,
-            .range = {.first = start, .count = count},
-            .counted = options.count.has_value()};
+            .range = {.first = start, .count = std::min(count, kUnknownTotal)},
+            .counted = false};
   }
   const std::size_t rest = size - start;
   const std::size_t count = options.count ? static_cast<std::size_t>(*options.count) : rest;

@@ -337,7 +337,8 @@ int complete(const RunCommandOptions& options, const PreparedRun& run, const Job
   const RunOutcome& outcome = mapped.outcome;
   if (!run.sweeps.counted) {
     const bool whole = run.source.endless || outcome.result.end == RunEnd::completed;
-    description.range.count = std::max(statistics.sweeps(), whole ? 0 : run.sweeps.size);
+    description.range.count = std::max(
+        statistics.sweeps(), whole ? 0 : std::min(run.sweeps.size, run.sweeps.range.count));
     description.recording_sweeps = run.sweeps.range.first + description.range.count;
   }
   const int judged = judge_run(outcome, statistics, description, err);

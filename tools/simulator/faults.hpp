@@ -34,7 +34,7 @@ enum class Fault {
   many_spikes,     ///< one in 20
   gaps,            ///< the IMU is silent for 60 to 150 ms, once in each second
   odometry_leap,   ///< the visual odometry leaps by 3 m at half time: it has recognised a place
-  odometry_lost,   ///< its pose stands still for 5 s, from two fifths of the time on
+  odometry_lost,   ///< its pose is that of the start for 5 s, from two fifths of the time on
   wheel_scale,     ///< the wheels read 5 % too much: other tyres than the driver was told of
   wheel_slip,      ///< they spin: 10 % too much for 2 s, once in every 10 s
   wheel_stuck,     ///< the encoder is dead: always zero

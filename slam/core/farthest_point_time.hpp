@@ -6,6 +6,6 @@ namespace adit {
 
 /// s. No sweep lasts an hour, and a stamp plus an hour is still a stamp: a point's time beyond is
 /// none.
-inline constexpr float kLongestSweep = 3600.0F;
+inline constexpr float kFarthestPointTime = 3600.0F;
 
 }  // namespace adit
