@@ -25,7 +25,10 @@ COMMANDS = {
     "adit run: summary.json": [
         ["run", "drive.mcap", "-o", "json", "--json", "--high-rate"],
         ["run", "wheels.mcap", "-o", "wheeled", "--json", "--set", "recording.velocity_topic=/wheels"]],
-    "adit inspect --json": [["inspect", "drive.mcap", "--json"], ["inspect", "wheels.mcap", "--json"]],
+    "adit inspect --json": [
+        ["inspect", "drive.mcap", "--json"], ["inspect", "wheels.mcap", "--json"],
+        ["inspect", "two.mcap", "--json", "--set", "recording.sweep_topic=/front", "--set",
+         'recording.further_sweep_topics=["/rear"]']],
     "adit evaluate --json": [["evaluate", "json/trajectory.tum", "drive.truth.tum", "--json"]],
     "adit align --json": [["align", "drive.mcap@0", "drive.mcap@9", "--json"],
                           ["align", "drive.mcap@0", "drive.mcap@9", "--guess", "0", "0", "0", "5", "--json"]],
@@ -61,6 +64,16 @@ SESSIONS = [words for name, more in (("one", []), ("two", ["--noise-seed", "6", 
     ["simulate", "room", "--trajectory", "handheld", "--duration", "30", "--seed", "5", *more, "-o", f"{name}.mcap"],
     ["run", f"{name}.mcap", "-o", name])]
 SIMULATE = ["simulate", "room", "--sensor", "VLP-16", "--duration", "4", "--seed", "5", "-o", "drive.mcap"]
+TWO_LIDARS = """scene = "room"
+duration = 2.0
+[[lidar]]
+topic = "/front"
+frame = "front"
+[[lidar]]
+topic = "/rear"
+frame = "rear"
+position = [-0.6, 0.0, 0.1]
+"""
 WHEELS = ["simulate", "mine", "--wheels", "--doppler", "--duration", "4", "-o", "wheels.mcap"]
 
 
@@ -126,7 +139,8 @@ def check(adit, folder, page):
     def run(words):
         return subprocess.run([adit, *words], cwd=folder, capture_output=True, text=True, timeout=300)
 
-    for words in (SIMULATE, WHEELS, *SESSIONS):
+    (pathlib.Path(folder) / "two.toml").write_text(TWO_LIDARS)
+    for words in (SIMULATE, WHEELS, ["simulate", "two.toml", "-o", "two.mcap"], *SESSIONS):
         prepared = run(words)
         if prepared.returncode != 0:
             yield f"adit {' '.join(words)}: {prepared.stderr}"
