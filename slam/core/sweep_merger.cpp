@@ -154,7 +154,7 @@ bool SweepMerger::have_all_reached(Nanoseconds end) const {
   });
 }
 
-/// The first that goes on.
+/// The first sensor that still sends.
 std::optional<std::size_t> SweepMerger::next_lead() const {
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     if (!sources_[i].pending.empty() && (flushing_ || !is_silent(sources_[i]))) {

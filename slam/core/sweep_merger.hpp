@@ -48,7 +48,7 @@ class SweepMerger {
   /// Takes a sweep of a sensor, by its place in the list.
   void add(std::size_t sensor, Sweep sweep);
 
-  /// Nothing more comes: what is held is due. add() may go on after that.
+  /// No further sweep comes: next() gives what still waits. add() may go on after that.
   void flush() { flushing_ = true; }
 
   /// The next merged sweep; nothing where it needs further sweeps, or a flush(). Its stamp is that

@@ -47,11 +47,6 @@ bool holds_all(const RegistrationResult& alignment) {
          std::ranges::all_of(alignment.rotation, is_held);
 }
 
-/// Squared innovations of that many directions beyond it are no error of an alignment.
-double gate(int directions) {
-  return kBeyondBelief * kChiSquared999[static_cast<size_t>(directions)];
-}
-
 /// What a graph that fails is, of a prediction or of a fused state.
 FailedCheck check_of(GraphFailure failure, StateQuantity quantity) {
   switch (failure) {
@@ -84,8 +79,8 @@ Matrix6d pose_prior(const Matrix6d& lidar_covariance) {
   return pose_prior(lidar_covariance, kWhiteModel.kappa);
 }
 
-bool is_beyond_belief(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& covariance,
-                      const RegistrationResult& alignment) {
+bool is_outlier(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& covariance,
+                const RegistrationResult& alignment) {
   PoseMeasurement measurement =
       measured_pose(alignment, kWhiteModel, Eigen::Isometry3d::Identity());
   measurement.root_information /= std::sqrt(kBeyondBelief);
@@ -131,7 +126,7 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
     inflation_ = inflation(*alignment, kWhiteModel);
     result.innovation = innovation(pending.prediction, *measurement);
     const auto degrees = static_cast<size_t>(measurement->known_directions);
-    result.innovation_gate = gate(measurement->known_directions);
+    result.innovation_gate = kBeyondBelief * kChiSquared999[degrees];
     const double surprise = holds_all(*alignment) ? 1.0 : kWeakSurprise;
     const bool outlier = result.innovation.nis > result.innovation_gate;
     outliers_ = outlier ? outliers_ + 1 : 0;

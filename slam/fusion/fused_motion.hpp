@@ -42,13 +42,13 @@ Eigen::Isometry3d matched_pose(const RegistrationResult& alignment);
 /// units of the matches' Hessian, of which `inflation` times the inverse is the covariance: for
 /// Prediction::information.
 Matrix6d pose_prior(const Matrix6d& lidar_covariance, double inflation);
-/// Before any alignment has told the inflation.
+/// With the least inflation that an alignment has: before there is one.
 Matrix6d pose_prior(const Matrix6d& lidar_covariance);
 
 /// What the matches of an alignment say is farther from a predicted pose than both may err by; of
 /// that one `covariance` is of [rho, phi], lidar axes.
-bool is_beyond_belief(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& covariance,
-                      const RegistrationResult& alignment);
+bool is_outlier(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& covariance,
+                const RegistrationResult& alignment);
 
 /// A sensor that is fused: the sliding graph, with the sweep that is under way.
 class FusedMotion {

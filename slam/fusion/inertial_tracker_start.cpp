@@ -117,7 +117,7 @@ void InertialTracker::compare_velocities(Nanoseconds stamp, const RegistrationRe
   const StampedPose& before = starting->collected.poses().back();
   if (const auto measured = measured_motion(before.stamp, stamp)) {
     const Eigen::Isometry3d T_map_lidar = before.pose * T_body_lidar_ * measured->T_begin_end;
-    starting->velocities_agree = !is_beyond_belief(T_map_lidar, measured->covariance, alignment);
+    starting->velocities_agree = !is_outlier(T_map_lidar, measured->covariance, alignment);
   }
 }
 

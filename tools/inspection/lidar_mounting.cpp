@@ -120,17 +120,17 @@ bool is_evidence(AlignmentRefusal refusal) {
          refusal == AlignmentRefusal::degenerate;
 }
 
-/// What an alignment says: the expected mounting's error and its information.
-struct Said {
+/// The error of the expected mounting by one alignment, and its information.
+struct MountingError {
   Vector6d error;
   Matrix6d information;
 };
 
-/// The mean of what the alignments say, each weighed by its information, and less where it is far
-/// off (Cauchy's weights). Its covariance is that of the information, and of the scatter as it is
-/// in each direction: the "sandwich" of White (1980), since matches err together.
-void combine(const std::vector<Said>& said, LidarMounting& mounting) {
-  constexpr int kIterations = 20;  // it has settled
+/// The mean of the alignments' errors, each weighed by its information, and less where it is far
+/// from the others (Cauchy's weights). Its covariance is that of the information, and of the
+/// scatter as it is in each direction: the "sandwich" of White (1980), since matches err together.
+void combine(const std::vector<MountingError>& errors, LidarMounting& mounting) {
+  constexpr int kIterations = 20;  // it has converged
   Vector6d mean = Vector6d::Zero();
   double scale = 1.0;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
@@ -139,7 +139,7 @@ void combine(const std::vector<Said>& said, LidarMounting& mounting) {
     Vector6d sum = Vector6d::Zero();
     double weights = 0.0;
     double squares = 0.0;
-    for (const Said& one : said) {
+    for (const MountingError& one : errors) {
       const Vector6d pull = one.information * (one.error - mean);
       const double squared = pull.dot(one.error - mean) / 6.0;
       const double weight = 1.0 / (1.0 + squared / scale);
@@ -163,8 +163,8 @@ std::string text_of(const Eigen::Isometry3d& pose) {
                      n[3], n[4], n[5], n[6]);
 }
 
-/// How far the sensor is from where it is said to be, and how sure that is.
-struct Away {
+/// How far the sensor is from its expected pose, with standard deviations.
+struct Deviation {
   double turn = 0.0;         ///< rad
   double turn_sigma = 0.0;   ///< along that axis
   double shift = 0.0;        ///< m
@@ -176,7 +176,7 @@ double sigma_along(const Eigen::Vector3d& v, const Eigen::Matrix3d& covariance) 
   return std::sqrt(std::max(0.0, axis.dot(covariance * axis)));
 }
 
-Away away_of(const LidarMounting& mounting) {
+Deviation deviation_of(const LidarMounting& mounting) {
   const Vector6d error = se3_log(mounting.expected.inverse() * *mounting.found);
   return {.turn = error.tail<3>().norm(),
           .turn_sigma = sigma_along(error.tail<3>(), mounting.covariance.bottomRightCorner<3, 3>()),
@@ -199,7 +199,7 @@ LidarMounting check_lidar_mounting(const Recording& recording, const MergedTopic
   CloudAligner aligner(context, {.min_overlap = config.registration.min_overlap});
   const AlignableCloud map =
       aligner.prepare(stretch.map, stretch.poses[stretch.poses.size() / 2].pose.translation());
-  std::vector<Said> said;
+  std::vector<MountingError> errors;
   const std::size_t every = (stretch.further.size() + kCompared - 1) / kCompared;
   for (std::size_t i = 0; i < stretch.further.size(); i += every) {
     const auto sweep = placed(stretch.further[i], stretch.poses, mounting.expected);
@@ -212,13 +212,14 @@ LidarMounting check_lidar_mounting(const Recording& recording, const MergedTopic
     const CloudAlignment result = aligner.align(std::span(&pair, 1)).front();
     if (is_evidence(result.refusal)) {
       const Eigen::Isometry3d T_lidar_sensor = sweep->T_map_lidar.inverse() * result.T_a_b;
-      said.push_back({.error = se3_log(mounting.expected.inverse() * T_lidar_sensor),
-                      .information = covariance(result.registration, CovarianceModel{}).inverse()});
+      errors.push_back(
+          {.error = se3_log(mounting.expected.inverse() * T_lidar_sensor),
+           .information = covariance(result.registration, CovarianceModel{}).inverse()});
     }
   }
-  mounting.aligned = said.size();
-  if (said.size() >= kLeastAligned) {
-    combine(said, mounting);
+  mounting.aligned = errors.size();
+  if (errors.size() >= kLeastAligned) {
+    combine(errors, mounting);
   }
   return mounting;
 }
@@ -230,13 +231,13 @@ std::string describe(const LidarMounting& mounting) {
         "it is mounted",
         mounting.compared, mounting.aligned, mounting.to_topic);
   }
-  const Away away = away_of(mounting);
+  const Deviation deviation = deviation_of(mounting);
   return fmt::format(
       "by {} of {} sweeps it lies {:.2f} degrees (+- {:.2f}) and {:.3f} m (+- {:.3f}) from where "
       "it is said to be on {}; pose in that one's axes {}",
-      mounting.aligned, mounting.compared, away.turn * kDegreesPerRadian,
-      kSureSigmas * away.turn_sigma * kDegreesPerRadian, away.shift, kSureSigmas * away.shift_sigma,
-      mounting.to_topic, text_of(*mounting.found));
+      mounting.aligned, mounting.compared, deviation.turn * kDegreesPerRadian,
+      kSureSigmas * deviation.turn_sigma * kDegreesPerRadian, deviation.shift,
+      kSureSigmas * deviation.shift_sigma, mounting.to_topic, text_of(*mounting.found));
 }
 
 std::vector<Finding> find_in_mounting(const LidarMounting& mounting) {
@@ -245,16 +246,17 @@ std::vector<Finding> find_in_mounting(const LidarMounting& mounting) {
              "an error of the mounting is not found",
              "Record a stretch in which both sensors see the same walls"}};
   }
-  const Away away = away_of(mounting);
-  const bool turned = away.turn > kHarmlessTurn + kSureSigmas * away.turn_sigma;
-  const bool shifted = away.shift > kHarmlessShift + kSureSigmas * away.shift_sigma;
+  const Deviation deviation = deviation_of(mounting);
+  const bool turned = deviation.turn > kHarmlessTurn + kSureSigmas * deviation.turn_sigma;
+  const bool shifted = deviation.shift > kHarmlessShift + kSureSigmas * deviation.shift_sigma;
   if (!turned && !shifted) {
     return {};
   }
-  return {{Severity::problem, "lidar_mounting", mounting.topic, describe(mounting),
-           fmt::format("its points lie {:.2f} m off at 10 m", away.shift + 10.0 * away.turn),
-           "Correct the transform, or use the recording.T_lidar_further that --write-config "
-           "writes"}};
+  return {
+      {Severity::problem, "lidar_mounting", mounting.topic, describe(mounting),
+       fmt::format("its points lie {:.2f} m off at 10 m", deviation.shift + 10.0 * deviation.turn),
+       "Correct the transform, or use the recording.T_lidar_further that --write-config "
+       "writes"}};
 }
 
 }  // namespace adit

@@ -77,22 +77,22 @@ class ConfiguredRecording final : public Recording {
   std::vector<RecordingNotice> notices() const override { return recording_->notices(); }
   std::optional<double> recorded_wait() const override { return recording_->recorded_wait(); }
   std::unique_ptr<EventStream> events(const EventSelection& selection) const override {
-    EventSelection told = selection;
-    told.point_time_unit = config_.point_time_unit;
-    told.coordinate_scale = config_.coordinate_scale;
+    EventSelection wanted = selection;
+    wanted.point_time_unit = config_.point_time_unit;
+    wanted.coordinate_scale = config_.coordinate_scale;
     if (config_.floats_per_point != 0) {
-      told.floats_per_point = static_cast<uint32_t>(config_.floats_per_point);
+      wanted.floats_per_point = static_cast<uint32_t>(config_.floats_per_point);
     }
     const bool of_poses =
-        told.velocities_of &&
+        wanted.velocities_of &&
         (config_.velocity_of_poses ||
-         topics()[*told.velocities_of].type != std::string_view(ros::Odometry::kType)) &&
-        topics()[*told.velocities_of].kind == TopicKind::poses;
-    const std::size_t poses = told.velocities_of.value_or(0);
+         topics()[*wanted.velocities_of].type != std::string_view(ros::Odometry::kType)) &&
+        topics()[*wanted.velocities_of].kind == TopicKind::poses;
+    const std::size_t poses = wanted.velocities_of.value_or(0);
     if (of_poses) {
-      told.velocities_of.reset();
+      wanted.velocities_of.reset();
     }
-    auto events = std::make_unique<CorrectedStream>(recording_->events(told), config_);
+    auto events = std::make_unique<CorrectedStream>(recording_->events(wanted), config_);
     return of_poses ? with_velocities_of_poses(std::move(events), poses) : std::move(events);
   }
 

@@ -40,7 +40,7 @@ struct RecordedSensors {
 /// the sweeps, and whose rate is higher, in this order; of several receivers the first with a fix.
 /// recording.imu_topic and recording.gnss_topic choose themselves. Velocities are used of
 /// recording.velocity_topic alone: such messages may be commands. Throws UsageError where the
-/// recording lacks a topic that is named, or nothing tells how a further range sensor is mounted.
+/// recording lacks a topic that is named, or a further range sensor has no mounting.
 RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
                                const Config& config);
 
