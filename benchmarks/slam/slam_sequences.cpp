@@ -78,8 +78,8 @@ std::optional<fs::path> first_of(const std::vector<fs::path>& candidates) {
 
 /// Other files may stand beside a recording under its name.
 bool may_be_recording(const fs::path& path) {
-  constexpr std::array<std::string_view, 8> kEndings = {".mcap",   ".bag", ".db3", ".pcap",
-                                                        ".pcapng", ".pcd", ".ply", ".las"};
+  constexpr std::array<std::string_view, 9> kEndings = {".mcap", ".bag", ".db3", ".pcap", ".pcapng",
+                                                        ".pcd",  ".ply", ".las", ".laz"};
   return fs::is_directory(path) || std::ranges::count(kEndings, path.extension().string()) > 0;
 }
 

@@ -2,14 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/clouds/las_reader.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "adit/tools/clouds/laz_file.hpp"
 #include "adit/tools/support/input_file.hpp"
 
 namespace adit {
@@ -32,12 +35,14 @@ T load(std::span<const std::byte> from, std::size_t at) {
 
 struct LasHeader {
   uint64_t points = 0;
-  uint64_t begin = 0;  ///< byte of the first point
+  std::size_t begin = 0;  ///< byte of the first point
   std::size_t point_bytes = 0;
   std::size_t format = 0;
+  std::size_t header_bytes = 0;
+  uint8_t minor = 0;  ///< version 1.this
+  bool packed = false;
   std::array<double, 3> scale{};
   std::array<double, 3> offset{};
-  std::optional<InputError> fault{};  ///< of the number of points
 };
 
 LasHeader parse_header(const std::filesystem::path& file, std::span<const std::byte> bytes) {
@@ -45,23 +50,22 @@ LasHeader parse_header(const std::filesystem::path& file, std::span<const std::b
     throw InputError(file, Place::byte(0), "it does not begin like a LAS file", kRemedy);
   }
   LasHeader header;
-  const auto minor = load<uint8_t>(bytes, 25);
-  const auto format = load<uint8_t>(bytes, 104);
-  if ((format & 0x80U) != 0) {
-    throw InputError(file, Place::byte(104), "its points are packed (LAZ)",
-                     "Unpack it, for example with laszip or PDAL");
-  }
+  header.minor = load<uint8_t>(bytes, 25);
+  const auto packed_format = load<uint8_t>(bytes, 104);
+  const uint8_t format = packed_format & 0x3fU;  // the upper bits say that points are packed
+  header.packed = (packed_format & 0x80U) != 0;
   if (format >= kTimeOffsets.size()) {
     throw InputError(file, Place::byte(104),
                      "its point format is " + std::to_string(format) + "; 0 to 10 are known",
                      kRemedy);
   }
   header.format = format;
+  header.header_bytes = load<uint16_t>(bytes, 94);
   header.begin = load<uint32_t>(bytes, 96);
   header.point_bytes = load<uint16_t>(bytes, 105);
   header.points = load<uint32_t>(bytes, 107);
   constexpr std::size_t kHeader14 = 375;
-  if (minor >= 4 && bytes.size() >= kHeader14) {
+  if (header.minor >= 4 && bytes.size() >= kHeader14) {
     const auto points = load<uint64_t>(bytes, 247);
     header.points = points > 0 ? points : header.points;  // some write the old field alone
   }
@@ -80,24 +84,41 @@ LasHeader parse_header(const std::filesystem::path& file, std::span<const std::b
                          std::to_string(header.point_bytes),
                      kRemedy);
   }
-  const uint64_t left = header.begin > bytes.size() ? 0 : bytes.size() - header.begin;
-  const uint64_t there = left / header.point_bytes;
-  // Later versions may have other records behind the points.
-  const bool points_last = minor < 3 && header.begin < bytes.size();
-  const bool more = points_last && there > header.points && left % header.point_bytes == 0;
-  if (header.points > there || more) {
-    InputError fault(file, Place::byte(header.begin),
-                     "the header promises " + std::to_string(header.points) + " points of " +
-                         std::to_string(header.point_bytes) + " bytes; the file holds " +
-                         std::to_string(there) + (there > 0 ? ", which are read" : ""),
-                     kRemedy);
-    if (there == 0) {
-      throw fault;
-    }
-    header.fault = fault;
-    header.points = there;
-  }
   return header;
+}
+
+/// The bytes of the points, and what is wrong with their number.
+struct LasContent {
+  std::span<const std::byte> points{};
+  std::string unpacked{};  ///< of a packed file: what `points` is of
+  std::string fault{};
+};
+
+LasContent plain_points(std::span<const std::byte> bytes, const LasHeader& header) {
+  const std::span<const std::byte> points = bytes.subspan(std::min(header.begin, bytes.size()));
+  const uint64_t there = points.size() / header.point_bytes;
+  // Later versions may have other records behind the points.
+  const bool points_last = header.minor < 3 && header.begin < bytes.size();
+  const bool more = points_last && there > header.points && points.size() % header.point_bytes == 0;
+  if (header.points <= there && !more) {
+    return {.points = points.first(header.points * header.point_bytes)};
+  }
+  return {.points = points.first(there * header.point_bytes),
+          .fault = "the header promises " + std::to_string(header.points) + " points of " +
+                   std::to_string(header.point_bytes) + " bytes; the file holds " +
+                   std::to_string(there) + (there > 0 ? ", which are read" : "")};
+}
+
+LasContent unpacked_points(std::span<const std::byte> bytes, const LasHeader& header) {
+  const std::size_t begin = std::min(header.begin, bytes.size());
+  const std::size_t records = std::min(header.header_bytes, begin);
+  LazPoints points = unpack_laz(bytes, {.begin = header.begin,
+                                        .points = header.points,
+                                        .point_bytes = header.point_bytes,
+                                        .records = bytes.subspan(records, begin - records)});
+  LasContent content{.unpacked = std::move(points.bytes), .fault = std::move(points.fault)};
+  content.points = std::as_bytes(std::span(content.unpacked.data(), content.unpacked.size()));
+  return content;
 }
 
 /// Points of a survey span more time than a sweep lasts: they have places all the same.
@@ -123,13 +144,21 @@ CloudFile parse_las(const std::filesystem::path& file, std::string_view content,
                     const CloudReading& reading) {
   const std::span<const std::byte> bytes = std::as_bytes(std::span(content.data(), content.size()));
   const LasHeader header = parse_header(file, bytes);
-  const auto points = static_cast<std::size_t>(header.points);
+  const LasContent held =
+      header.packed ? unpacked_points(bytes, header) : plain_points(bytes, header);
+  const std::size_t points = held.points.size() / header.point_bytes;
+  std::optional<InputError> fault;
+  if (!held.fault.empty()) {
+    fault.emplace(file, Place::byte(header.begin), held.fault, kRemedy);
+    if (points == 0) {
+      throw *fault;
+    }
+  }
   std::vector<double> coordinates(3 * points);
   for (std::size_t i = 0; i < points; ++i) {
-    const std::size_t at = static_cast<std::size_t>(header.begin) + i * header.point_bytes;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      coordinates[3 * i + axis] =
-          header.scale[axis] * load<int32_t>(bytes, at + 4 * axis) + header.offset[axis];
+      const auto steps = load<int32_t>(held.points, i * header.point_bytes + 4 * axis);
+      coordinates[3 * i + axis] = header.scale[axis] * steps + header.offset[axis];
     }
   }
   CloudColumns columns;
@@ -143,14 +172,14 @@ CloudFile parse_las(const std::filesystem::path& file, std::string_view content,
     columns.columns[axis] =
         Column{first, axis * sizeof(double), 3 * sizeof(double), ScalarType::f64, false};
   }
-  const std::byte* records = points == 0 ? bytes.data() : bytes.data() + header.begin;
+  const std::byte* records = points == 0 ? bytes.data() : held.points.data();
   columns[FieldRole::intensity] = Column{records, 12, header.point_bytes, ScalarType::u16, false};
   if (const std::size_t time = kTimeOffsets[header.format]; time > 0) {
     columns[FieldRole::time] = Column{records, time, header.point_bytes, ScalarType::f64, false};
   }
   CloudFile cloud = decoded(file, columns);
-  if (header.fault) {
-    cloud.faults.push_back(*header.fault);
+  if (fault) {
+    cloud.faults.push_back(*fault);
   }
   return cloud;
 }

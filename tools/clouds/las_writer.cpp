@@ -1,198 +1,73 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-//
-// ASPRS LAS 1.4 R15. Numbers are written as they lie in memory.
 #include "adit/tools/clouds/las_writer.hpp"
 
 #include <algorithm>
-#include <array>
-#include <chrono>
-#include <cmath>
 #include <string_view>
+#include <thread>
 #include <utility>
-
-#include <fmt/core.h>
-
-#include "adit/tools/support/raw_bytes.hpp"
+#include <vector>
 
 namespace adit {
 namespace {
 
-constexpr double kScale = 0.001;  // m
-constexpr uint16_t kHeaderBytes = 375;
-constexpr uint16_t kPointBytes = 30 + 2 + 4;
-constexpr uint16_t kAdjustedTime = 1U << 0U;
-constexpr uint16_t kWkt = 1U << 4U;
-constexpr int64_t kSecond = 1'000'000'000;
-constexpr int64_t kGpsEpoch = 315'964'800;  // 1980-01-06 in UNIX time, s
-
-/// UNIX times at which a leap second had just been inserted, since GPS time began (IERS).
-constexpr std::array<int64_t, 18> kLeapSeconds = {
-    362793600, 394329600,  425865600,  489024000,  567993600,  631152000,
-    662688000, 709948800,  741484800,  773020800,  820454400,  867715200,
-    915148800, 1136073600, 1230768000, 1341100800, 1435708800, 1483228800};
-
-void append_text(std::string& bytes, std::string_view text, std::size_t size) {
-  bytes.append(text.substr(0, size));
-  bytes.append(size - std::min(size, text.size()), '\0');
-}
-
-/// A variable length record.
-std::string record(std::string_view user, uint16_t id, std::string_view description,
-                   std::string_view content) {
-  std::string bytes;
-  append_raw(bytes, uint16_t{0});
-  append_text(bytes, user, 16);
-  append_raw(bytes, id);
-  append_raw(bytes, static_cast<uint16_t>(content.size()));
-  append_text(bytes, description, 32);
-  return bytes.append(content);
-}
-
-/// A dimension of the Extra Bytes record; type 3 is uint16, 5 uint32.
-std::string extra_bytes(uint8_t type, std::string_view name, std::string_view description) {
-  std::string bytes(2, '\0');
-  append_raw(bytes, type);
-  append_raw(bytes, uint8_t{0});
-  append_text(bytes, name, 32);
-  bytes.append(4 + 5 * 24, '\0');  // no "no data" value, no range, no scale
-  append_text(bytes, description, 32);
-  return bytes;
-}
-
-std::string class_names() {
-  std::string bytes(256 * 16, '\0');
-  const auto name = [&](LasClass number, std::string_view text) {
-    const auto at = static_cast<std::size_t>(number);
-    std::string entry;
-    append_raw(entry, static_cast<uint8_t>(number));
-    append_text(entry, text, 15);
-    bytes.replace(16 * at, 16, entry);
-  };
-  for (std::size_t i = 0; i < 256; ++i) {
-    bytes[16 * i] = static_cast<char>(static_cast<uint8_t>(i));
-  }
-  name(LasClass::unclassified, "unclassified");
-  name(LasClass::moving, "moving");
-  return bytes;
-}
+constexpr std::size_t kChunkBytes = std::size_t{kLazChunkPoints} * kLasPointBytes;
 
 }  // namespace
 
-bool is_unix_time(Nanoseconds stamp) {
-  return stamp.count() >= 946'684'800 * kSecond && stamp.count() < 4'102'444'800 * kSecond;
-}
-
-double adjusted_gps_time(Nanoseconds unix_time) {
-  const int64_t second = unix_time.count() / kSecond;
-  const auto leap = std::ranges::upper_bound(kLeapSeconds, second) - kLeapSeconds.begin();
-  const int64_t whole = second - kGpsEpoch + leap - 1'000'000'000;
-  return static_cast<double>(whole) + static_cast<double>(unix_time.count() % kSecond) * 1e-9;
-}
-
-LasWriter::LasWriter(std::filesystem::path path, LasHeading heading)
+LasWriter::LasWriter(std::filesystem::path path, LasHeading heading, LasPacking packing)
     : heading_(std::move(heading)), file_(std::move(path)) {
-  const auto add = [&](const std::string& one) {
-    records_ += one;
-    ++record_count_;
-  };
-  if (!heading_.wkt.empty()) {
-    add(record("LASF_Projection", 2112, "OGC WKT", heading_.wkt + std::string(1, '\0')));
+  const bool packed = packing == LasPacking::laz;
+  if (packed) {
+    add_laz_record(records_, kLazChunkPoints, kLasPointBytes - kLas6Bytes);
   }
-  add(record("LASF_Spec", 4, "Extra Bytes",
-             extra_bytes(3, "ring", "beam of the sensor") +
-                 extra_bytes(5, "keyframe", "node of the pose graph")));
-  add(record("LASF_Spec", 0, "Classification", class_names()));
-  file_.write(header());
-  file_.write(records_);
+  add_las_records(records_, heading_);
+  const std::string first = header();
+  file_.write(first);
+  file_.write(records_.bytes);
+  if (packed) {
+    chunks_.emplace(file_, first.size() + records_.bytes.size(), kLasPointBytes);
+    file_.overwrite(0, header());
+  }
 }
 
 std::string LasWriter::header() const {
-  std::string bytes = "LASF";
-  append_raw(bytes, uint16_t{0});  // file source ID
-  append_raw(bytes, static_cast<uint16_t>((heading_.unix_times ? kAdjustedTime : 0U) | kWkt));
-  bytes.append(16, '\0');  // GUID
-  append_raw(bytes, uint8_t{1});
-  append_raw(bytes, uint8_t{4});
-  append_text(bytes, "adit", 32);
-  append_text(bytes, heading_.software, 32);
-  uint16_t day = 0;
-  uint16_t year = 0;
-  if (heading_.unix_times && first_) {
-    const auto date =
-        std::chrono::floor<std::chrono::days>(std::chrono::sys_time<Nanoseconds>(*first_));
-    const std::chrono::year_month_day parts(date);
-    const std::chrono::sys_days new_year = parts.year() / std::chrono::January / 1;
-    day = static_cast<uint16_t>((date - new_year).count() + 1);
-    year = static_cast<uint16_t>(static_cast<int>(parts.year()));
-  }
-  append_raw(bytes, day);
-  append_raw(bytes, year);
-  append_raw(bytes, kHeaderBytes);
-  append_raw(bytes, static_cast<uint32_t>(kHeaderBytes + records_.size()));
-  append_raw(bytes, record_count_);
-  append_raw(bytes, uint8_t{6});
-  append_raw(bytes, kPointBytes);
-  bytes.append(6 * 4, '\0');  // counts of earlier versions
-  for (int axis = 0; axis < 3; ++axis) {
-    append_raw(bytes, kScale);
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    append_raw(bytes, heading_.offset[axis]);
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double offset = count_ == 0 ? 0.0 : heading_.offset[static_cast<Eigen::Index>(axis)];
-    append_raw(bytes, kScale * highest_[axis] + offset);
-    append_raw(bytes, kScale * lowest_[axis] + offset);
-  }
-  bytes.append(8 + 8 + 4, '\0');  // no waveforms, no extended records
-  append_raw(bytes, count_);
-  append_raw(bytes, count_);  // of first returns
-  bytes.append(14 * 8, '\0');
-  return bytes;
+  return las_header(heading_, extent_,
+                    {.record_bytes = records_.bytes.size(),
+                     .records = records_.count,
+                     .packed = chunks_.has_value()});
 }
 
 void LasWriter::write(std::span<const LasPoint> points) {
-  std::string bytes;
-  bytes.reserve(points.size() * kPointBytes);
+  waiting_.reserve(waiting_.size() + points.size() * kLasPointBytes);
   for (const LasPoint& point : points) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto i = static_cast<Eigen::Index>(axis);
-      const double steps = std::round((point.position[i] - heading_.offset[i]) / kScale);
-      if (!(std::abs(steps) < 2e9)) {
-        throw OutputError(
-            file_.path(),
-            fmt::format("{}: a point at {:.3f}, {:.3f}, {:.3f} m is beyond the 2000 km about "
-                        "{:.0f}, {:.0f}, {:.0f} that a LAS file in millimetres can hold. Leave it "
-                        "out with --box.",
-                        file_.path().string(), point.position.x(), point.position.y(),
-                        point.position.z(), heading_.offset.x(), heading_.offset.y(),
-                        heading_.offset.z()));
-      }
-      const auto step = static_cast<int32_t>(steps);
-      lowest_[axis] = count_ == 0 ? step : std::min(lowest_[axis], step);
-      highest_[axis] = count_ == 0 ? step : std::max(highest_[axis], step);
-      append_raw(bytes, step);
-    }
-    if (!first_) {
-      first_ = point.time;
-    }
-    append_raw(bytes, point.intensity);
-    append_raw(bytes, uint8_t{0x11});  // the first return of one
-    append_raw(bytes, uint8_t{0});
-    append_raw(bytes, static_cast<uint8_t>(point.classification));
-    append_raw(bytes, uint8_t{0});  // user data
-    append_raw(bytes, int16_t{0});  // scan angle: not known
-    append_raw(bytes, point.source);
-    append_raw(bytes, heading_.unix_times ? adjusted_gps_time(point.time) : seconds(point.time));
-    append_raw(bytes, point.ring);
-    append_raw(bytes, point.keyframe);
-    ++count_;
+    append_las_point(waiting_, extent_, point, heading_, file_.path());
   }
-  file_.write(bytes);
+  if (chunks_) {
+    write_chunks(false);
+  } else {
+    file_.write(waiting_);
+    waiting_.clear();
+  }
+}
+
+void LasWriter::write_chunks(bool all) {
+  // As many as are packed at the same time.
+  const std::size_t together = std::max(1U, std::thread::hardware_concurrency()) * kChunkBytes;
+  const std::size_t whole = all ? waiting_.size() : waiting_.size() / together * together;
+  std::vector<std::string_view> chunks;
+  for (std::size_t at = 0; at < whole; at += kChunkBytes) {
+    chunks.push_back(std::string_view(waiting_).substr(at, std::min(kChunkBytes, whole - at)));
+  }
+  chunks_->write(chunks);
+  waiting_.erase(0, whole);
 }
 
 void LasWriter::close() {
+  if (chunks_) {
+    write_chunks(true);
+    chunks_->finish(LazTable::sizes);
+  }
   file_.flush();
   file_.overwrite(0, header());
   file_.close();

@@ -400,13 +400,14 @@ void add_export_command(Command app, std::function<void(int)> done) {
   command.option("--graph", options->graph, "Keyframes and edges: g2o")
       .one_of({"g2o"})
       .value_name("FORMAT");
-  command.option("--cloud", options->cloud, "The points of all submaps: ply, pcd, las")
-      .one_of({"ply", "pcd", "las"})
+  command.option("--cloud", options->cloud, "The points of all submaps: ply, pcd, las, laz, copc")
+      .one_of({"ply", "pcd", "las", "laz", "copc"})
       .value_name("FORMAT");
   command
-      .option("--dense", options->dense,
-              "Every return of the recording with intensity, time and ring: ply, pcd, las")
-      .one_of({"ply", "pcd", "las"})
+      .option(
+          "--dense", options->dense,
+          "Every return of the recording with intensity, time and ring: ply, pcd, las, laz, copc")
+      .one_of({"ply", "pcd", "las", "laz", "copc"})
       .value_name("FORMAT");
   command
       .option("--recording", options->recording,

@@ -58,7 +58,7 @@ void add_run_command(Command app, std::function<void(int)> done) {
   command.footer(
       "RECORDING is an MCAP file, a ROS 1 bag, a rosbag2 folder or .db3 file, a capture of packets "
       "(pcap, pcapng);\nor a folder: "
-      "sweeps as KITTI has them (velodyne/*.bin with times.txt), *.pcd, *.ply or *.las, TUM "
+      "sweeps as KITTI has them (velodyne/*.bin with times.txt), *.pcd, *.ply, *.las or *.laz, TUM "
       "RGB-D;\n"
       "or one such file.\n"
       "The run makes a map, closes loops and uses GNSS fixes; --odometry runs odometry alone.\n"

@@ -43,9 +43,9 @@ bool has_unix_times(const MapDatabase& map) {
 
 /// What LAS files say of times, which have to be in GPS time.
 std::string times_of(CloudFormat format, const CloudHeading& heading) {
-  return format != CloudFormat::las ? ""
-         : heading.unix_times       ? ", in adjusted standard GPS time"
-                                    : ", in the recording's own time";
+  return !is_las(format)      ? ""
+         : heading.unix_times ? ", in adjusted standard GPS time"
+                              : ", in the recording's own time";
 }
 
 /// What a session's provenance tells under a name.
@@ -70,7 +70,7 @@ std::vector<MapSweep> sweeps_by_stamp(const MapDatabase& map) {
 std::string export_cloud(const ExportJob& job) {
   const ExportCommandOptions& options = *job.options;
   const CloudFormat format = cloud_format(options.cloud);
-  const ProductCoordinates coordinates = coordinates_of(job, format == CloudFormat::las);
+  const ProductCoordinates coordinates = coordinates_of(job, is_las(format));
   const CloudSelection selection = selection_of(job, coordinates);
   CloudHeading heading = heading_of(coordinates);
   heading.unix_times = has_unix_times(*job.map);
@@ -194,7 +194,7 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
 
 std::string export_dense(const ExportJob& job) {
   const CloudFormat format = cloud_format(job.options->dense);
-  const ProductCoordinates coordinates = coordinates_of(job, format == CloudFormat::las);
+  const ProductCoordinates coordinates = coordinates_of(job, is_las(format));
   CloudHeading heading = heading_of(coordinates);
   heading.measured = true;
   heading.unix_times = has_unix_times(*job.map);
@@ -216,7 +216,7 @@ std::string export_tiles(const ExportJob& job) {
   ProductCoordinates coordinates = coordinates_of(job, true);
   CloudHeading heading = heading_of(coordinates);
   heading.unix_times = has_unix_times(*job.map);
-  if (format != CloudFormat::las) {  // Autoware's LocalCartesianUTM
+  if (!is_las(format)) {  // Autoware's LocalCartesianUTM
     heading.offset = coordinates.origin();
     coordinates = coordinates.counted_from(heading.offset);
   }
@@ -236,7 +236,7 @@ std::string export_tiles(const ExportJob& job) {
   folder.close(coordinates, job.georeference);
   return fmt::format(
       "{} points in {} tiles{}{}", folder.points(), folder.tiles(), in_coordinates(coordinates),
-      format == CloudFormat::las || heading.coordinates.empty() ? "" : " less those of the origin");
+      is_las(format) || heading.coordinates.empty() ? "" : " less those of the origin");
 }
 
 }  // namespace adit

@@ -3,14 +3,17 @@
 #include "adit/tools/map_products/cloud_product.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
 
+#include "adit/tools/clouds/copc_writer.hpp"
 #include "adit/tools/clouds/las_writer.hpp"
 #include "adit/tools/clouds/pcd_writer.hpp"
 #include "adit/tools/clouds/ply_writer.hpp"
@@ -72,13 +75,30 @@ float stretch_of(std::span<const CloudPoint> points) {
   return largest <= 1.0F ? kMost : largest <= 255.0F ? kMost / 255.0F : 1.0F;
 }
 
+struct Format {
+  CloudFormat format;
+  const char* name;
+  const char* extension;
+};
+constexpr std::array<Format, 5> kFormats = {{{CloudFormat::ply, "ply", ".ply"},
+                                             {CloudFormat::pcd, "pcd", ".pcd"},
+                                             {CloudFormat::las, "las", ".las"},
+                                             {CloudFormat::laz, "laz", ".laz"},
+                                             {CloudFormat::copc, "copc", ".copc.laz"}}};
+
+LasHeading las_heading(const CloudHeading& heading) {
+  return {.software = "adit " + std::string(version()),
+          .wkt = heading.wkt,
+          .offset = heading.offset,
+          .unix_times = heading.unix_times};
+}
+
+/// LasWriter or CopcWriter.
+template <class Writer>
 class LasProduct final : public CloudProduct {
  public:
-  LasProduct(const std::filesystem::path& file, const CloudHeading& heading)
-      : writer_(file, {.software = "adit " + std::string(version()),
-                       .wkt = heading.wkt,
-                       .offset = heading.offset,
-                       .unix_times = heading.unix_times}) {}
+  template <class... Arguments>
+  explicit LasProduct(Arguments&&... arguments) : writer_(std::forward<Arguments>(arguments)...) {}
 
   void write(std::span<const CloudPoint> points) override {
     if (!stretch_ && !points.empty()) {
@@ -103,7 +123,7 @@ class LasProduct final : public CloudProduct {
   uint64_t count() const override { return writer_.count(); }
 
  private:
-  LasWriter writer_;
+  Writer writer_;
   std::optional<float> stretch_;
   std::vector<LasPoint> las_;
 };
@@ -111,16 +131,20 @@ class LasProduct final : public CloudProduct {
 }  // namespace
 
 CloudFormat cloud_format(std::string_view name) {
-  if (name == "ply") {
-    return CloudFormat::ply;
-  }
-  if (name == "pcd") {
-    return CloudFormat::pcd;
-  }
-  if (name == "las") {
-    return CloudFormat::las;
+  for (const Format& format : kFormats) {
+    if (name == format.name) {
+      return format.format;
+    }
   }
   throw std::logic_error("no cloud format: " + std::string(name));
+}
+
+std::string extension_of(CloudFormat format) {
+  return kFormats.at(static_cast<std::size_t>(format)).extension;
+}
+
+bool is_las(CloudFormat format) {
+  return format >= CloudFormat::las;
 }
 
 CloudHeading heading_of(const ProductCoordinates& coordinates) {
@@ -135,7 +159,11 @@ std::unique_ptr<CloudProduct> make_cloud_product(const std::filesystem::path& fi
                                                  CloudFormat format, const CloudHeading& heading) {
   switch (format) {
     case CloudFormat::las:
-      return std::make_unique<LasProduct>(file, heading);
+      return std::make_unique<LasProduct<LasWriter>>(file, las_heading(heading));
+    case CloudFormat::laz:
+      return std::make_unique<LasProduct<LasWriter>>(file, las_heading(heading), LasPacking::laz);
+    case CloudFormat::copc:
+      return std::make_unique<LasProduct<CopcWriter>>(file, las_heading(heading));
     case CloudFormat::ply:
       if (heading.measured) {
         return std::make_unique<SingleProduct<TimedPlyWriter, TimedPoint>>(file, heading);

@@ -16,9 +16,14 @@
 
 namespace adit {
 
-enum class CloudFormat { ply, pcd, las };
-/// "ply", "pcd" and "las".
+/// The last three are LAS files: plain, packed, and packed as an octree (COPC).
+enum class CloudFormat { ply, pcd, las, laz, copc };
+/// "ply", "pcd", "las", "laz" and "copc".
 CloudFormat cloud_format(std::string_view name);
+/// How its files end: ".ply" to ".copc.laz".
+std::string extension_of(CloudFormat format);
+/// Of the LAS family: their headers state coordinates, and all offsets.
+bool is_las(CloudFormat format);
 
 /// What a file says of its points.
 struct CloudHeading {
@@ -41,8 +46,8 @@ class CloudProduct {
   virtual uint64_t count() const = 0;
 };
 
-/// Throws OutputError, as all members do. LAS files hold intensities in 16 bits: those of sensors
-/// that tell 0 to 1 or 0 to 255, as the first points do, are stretched.
+/// Throws OutputError, as all members do. Those of the LAS family hold intensities in 16 bits:
+/// those of sensors that tell 0 to 1 or 0 to 255, as the first points do, are stretched.
 std::unique_ptr<CloudProduct> make_cloud_product(const std::filesystem::path& file,
                                                  CloudFormat format, const CloudHeading& heading);
 

@@ -18,10 +18,6 @@ constexpr const char* kIndex = "tiles.csv";
 constexpr const char* kCorners = "pointcloud_map_metadata.yaml";
 constexpr const char* kProjector = "map_projector_info.yaml";
 
-std::string extension_of(CloudFormat format) {
-  return format == CloudFormat::pcd ? ".pcd" : format == CloudFormat::ply ? ".ply" : ".las";
-}
-
 std::string subfolder_of(CloudFormat format) {
   return format == CloudFormat::pcd ? "pointcloud_map.pcd" : "tiles";
 }
@@ -72,7 +68,7 @@ void TileFolder::write(const TileNumber& tile, std::span<const CloudPoint> point
     product_ =
         make_cloud_product(folder_ / subfolder_of(format_) / name_of(tile), format_, heading_);
   }
-  if (format_ == CloudFormat::las) {
+  if (is_las(format_)) {
     product_->write(points);
     return;
   }

@@ -324,7 +324,7 @@ bool is_of_clouds(const fs::path& folder, const std::vector<fs::path>& container
   if (!std::ranges::all_of(containers, is_bag_file)) {
     return false;
   }
-  constexpr std::array kClouds = {".pcd", ".ply", ".las", ".bin"};
+  constexpr std::array kClouds = {".pcd", ".ply", ".las", ".laz", ".bin"};
   std::error_code error;
   fs::directory_iterator entries(folder, error);
   for (const fs::directory_iterator end; !error && entries != end; entries.increment(error)) {

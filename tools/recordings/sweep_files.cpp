@@ -22,7 +22,7 @@ constexpr const char* kWhatIsRead =
     "A recording is an MCAP file, a ROS 1 bag, a rosbag2 folder or its .db3 file, a capture of "
     "packets (.pcap, .pcapng); a folder of KITTI (velodyne/*.bin), KITTI raw "
     "(velodyne_points/data/*.bin), EuRoC (mav0/) or TUM RGB-D (depth.txt); a folder of .bin, .pcd, "
-    ".ply or .las files, or one such file";
+    ".ply, .las or .laz files, or one such file";
 
 /// How the sweeps are to be read, all alike, by what the first of them tell: the unit of their
 /// points' times, where they lie, and how many numbers a point has. Damaged ones do not count.

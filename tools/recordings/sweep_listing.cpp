@@ -21,11 +21,12 @@ namespace fs = std::filesystem;
 
 constexpr Nanoseconds kAssumedPeriod = std::chrono::milliseconds(100);
 
-constexpr std::array<SweepFileKind, 4> kKinds = {{
+constexpr std::array<SweepFileKind, 5> kKinds = {{
     {".bin", "KITTI .bin", read_bin, describe_bin},
     {".pcd", "PCD", read_pcd, nullptr},
     {".ply", "PLY", read_ply, nullptr},
     {".las", "LAS", read_las, nullptr},
+    {".laz", "LAZ", read_las, nullptr},
 }};
 
 /// For a message: the first number that is missing in names that are numbers ("000177"), or

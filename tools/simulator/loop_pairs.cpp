@@ -8,9 +8,9 @@
 
 #include <fmt/core.h>
 
-#include "adit/tools/simulator/parallel.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
 #include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/parallel.hpp"
 
 namespace adit {
 namespace {

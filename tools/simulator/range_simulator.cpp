@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "adit/tools/simulator/counter_random.hpp"
-#include "adit/tools/simulator/parallel.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
+#include "adit/tools/support/parallel.hpp"
 
 namespace adit {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "adit/tools/simulator/parallel.hpp"
+#include "adit/tools/support/parallel.hpp"
 
 namespace adit {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/drawing/image_text.hpp"
-#include "adit/tools/simulator/parallel.hpp"
 #include "adit/tools/simulator/scene_view.hpp"
+#include "adit/tools/support/parallel.hpp"
 
 namespace adit {
 namespace {

@@ -50,9 +50,13 @@ std::string extension_of(const fs::path& file) {
   return extension;
 }
 
+bool is_las_file(const std::string& extension) {
+  return extension == ".las" || extension == ".laz";
+}
+
 bool is_cloud(const fs::path& file) {
   const std::string extension = extension_of(file);
-  return extension == ".ply" || extension == ".pcd" || extension == ".las";
+  return extension == ".ply" || extension == ".pcd" || is_las_file(extension);
 }
 
 constexpr std::array kShownOfAFolder = {"map.adit", "map.ply", "cloud.ply"};
@@ -82,7 +86,7 @@ ViewFiles files_of(const fs::path& what) {
   }
   if (fs::exists(what) && extension_of(what) != ".adit") {
     throw InputError(
-        what, {}, "it is neither a map nor a cloud (.adit, .ply, .pcd, .las)",
+        what, {}, "it is neither a map nor a cloud (.adit, .ply, .pcd, .las, .laz)",
         "A recording is mapped first: adit run " + what.string() + " -o out, then adit view out");
   }
   return {.map = what, .cloud = {}, .trajectory = {}};
@@ -90,9 +94,9 @@ ViewFiles files_of(const fs::path& what) {
 
 CloudFile read_any_cloud(const fs::path& file) {
   const std::string extension = extension_of(file);
-  return extension == ".pcd"   ? read_pcd(file)
-         : extension == ".las" ? read_las(file, {.longest = kLongestSurvey})
-                               : read_ply(file);
+  return extension == ".pcd"      ? read_pcd(file)
+         : is_las_file(extension) ? read_las(file, {.longest = kLongestSurvey})
+                                  : read_ply(file);
 }
 
 bool is_place(const Point& point) {

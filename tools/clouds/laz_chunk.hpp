@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// A chunk of points of LAS formats 6 to 10 as LAZ files have it: "LASzip for LAS 1.4 (native
+// extension)", LAStools' LASzip/design/specification.rst, items POINT14 and BYTE14, version 3. Each
+// attribute has a layer of its own, so that the places of points can be read without their colours.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace adit {
+
+/// Bytes of a point of format 6, without extra bytes.
+inline constexpr std::size_t kLas6Bytes = 30;
+
+/// Packs points of format 6, `point_bytes` each, of which those after the first 30 are extra bytes.
+/// At least one point, all of scanner channel 0; `points` is their bytes as a LAS file has them.
+std::string pack_laz_chunk(std::string_view points, std::size_t point_bytes);
+
+/// What lies between the bytes of a chunk's points.
+struct LazChunkLayout {
+  std::size_t point_bytes = kLas6Bytes;
+  std::size_t layers = 9;  ///< of all items
+};
+
+struct UnpackedChunk {
+  std::string points{};   ///< as a LAS file has them; bytes after the first 30 are zero but in the
+                          ///< first point
+  bool is_whole = false;  ///< neither cut off nor damaged, as far as it can be seen
+};
+
+/// The first 30 bytes of each of `count` points, which all of formats 6 to 10 begin with.
+UnpackedChunk unpack_laz_chunk(std::span<const std::byte> chunk, std::size_t count,
+                               const LazChunkLayout& layout);
+
+}  // namespace adit
