@@ -45,7 +45,7 @@ GENERATED = {"version.hpp"}
 PAGE = "tools/viewer/page/"
 # Where threads may be started: tests and benchmarks aside.
 THREADS = {"engine/self_test/", "tools/live/", "tools/publishing/",
-           "slam/executor/", "tools/recordings/events_ahead", "tools/simulator/parallel.hpp",
+           "slam/executor/", "tools/recordings/events_ahead", "tools/support/parallel.hpp",
            "tools/viewer/live_view", "tools/viewer/foxglove_run_feed"}
 # What these layers are not to include; they do not print or end the process either (PRINTS).
 FORBIDDEN_HEADERS = {

@@ -12,7 +12,8 @@
 #include <vector>
 
 #include "adit/tools/clouds/copc_octree.hpp"
-#include "adit/tools/clouds/laz_file.hpp"
+#include "adit/tools/clouds/laz_chunk.hpp"
+#include "adit/tools/clouds/laz_writer.hpp"
 #include "adit/tools/support/raw_bytes.hpp"
 
 namespace adit {

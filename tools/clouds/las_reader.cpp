@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "adit/tools/clouds/laz_file.hpp"
+#include "adit/tools/clouds/laz_reader.hpp"
 #include "adit/tools/support/input_file.hpp"
 
 namespace adit {

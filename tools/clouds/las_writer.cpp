@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <string_view>
-#include <thread>
 #include <utility>
 #include <vector>
+
+#include "adit/tools/clouds/laz_chunk.hpp"
+#include "adit/tools/support/parallel.hpp"
 
 namespace adit {
 namespace {
@@ -53,7 +55,7 @@ void LasWriter::write(std::span<const LasPoint> points) {
 
 void LasWriter::write_chunks(bool all) {
   // As many as are packed at the same time.
-  const std::size_t together = std::max(1U, std::thread::hardware_concurrency()) * kChunkBytes;
+  const std::size_t together = parallel_pieces() * kChunkBytes;
   const std::size_t whole = all ? waiting_.size() : waiting_.size() / together * together;
   std::vector<std::string_view> chunks;
   for (std::size_t at = 0; at < whole; at += kChunkBytes) {

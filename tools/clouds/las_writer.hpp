@@ -9,7 +9,7 @@
 #include <string>
 
 #include "adit/tools/clouds/las_layout.hpp"
-#include "adit/tools/clouds/laz_file.hpp"
+#include "adit/tools/clouds/laz_writer.hpp"
 #include "adit/tools/support/output_file.hpp"
 
 namespace adit {

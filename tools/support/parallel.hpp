@@ -12,6 +12,11 @@
 
 namespace adit {
 
+/// How many pieces of work are done at the same time.
+inline std::size_t parallel_pieces() {
+  return std::max(std::size_t{1}, std::size_t{std::thread::hardware_concurrency()});
+}
+
 /// Calls work(begin, end) for pieces of [0, count), on as many threads as the machine has. Pieces
 /// are taken in turn, so `work` must give the same whoever does which. It must not throw. The
 /// checkpoint is called between pieces; where it throws, the other threads end after their piece.
@@ -26,7 +31,7 @@ void in_parallel(std::size_t count, std::size_t piece, const Work& work,
     }
   };
   std::vector<std::jthread> helpers;
-  for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
+  for (std::size_t i = 1; i < parallel_pieces(); ++i) {
     helpers.emplace_back([&] { run({}); });
   }
   try {

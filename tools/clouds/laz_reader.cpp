@@ -1,46 +1,29 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/clouds/laz_file.hpp"
+#include "adit/tools/clouds/laz_reader.hpp"
 
 #include <algorithm>
 #include <cstring>
 #include <functional>
 #include <optional>
-#include <thread>
-#include <utility>
+#include <string_view>
+#include <vector>
 
 #include <fmt/core.h>
 
 #include "adit/tools/clouds/arithmetic_coder.hpp"
+#include "adit/tools/clouds/laz_chunk.hpp"
+#include "adit/tools/clouds/laz_format.hpp"
 #include "adit/tools/clouds/laz_pointwise.hpp"
 #include "adit/tools/support/parallel.hpp"
-#include "adit/tools/support/raw_bytes.hpp"
 
 namespace adit {
 namespace {
 
-constexpr std::string_view kLazUser = "laszip encoded";
-constexpr uint16_t kLazRecord = 22204;
 constexpr std::size_t kRecordHeader = 54;
-constexpr uint16_t kPointwiseChunks = 2;
-constexpr uint16_t kLayeredChunks = 3;
 // A return differs from the one before it in time or place, which needs bits: files of more points
 // a byte hold no measurements, and would fill the memory of whoever reads them.
 constexpr uint64_t kMostPointsPerByte = 64;
-
-/// Kinds of items of a point.
-enum Item : uint16_t {
-  kBytes = 0,
-  kPoint10 = 6,
-  kTime11 = 7,
-  kColor12 = 8,
-  kWave13 = 9,
-  kPoint14 = 10,
-  kColor14 = 11,
-  kColorNir14 = 12,
-  kWave14 = 13,
-  kBytes14 = 14
-};
 
 template <class T>
 std::optional<T> load_within(std::span<const std::byte> bytes, uint64_t at) {
@@ -51,12 +34,6 @@ std::optional<T> load_within(std::span<const std::byte> bytes, uint64_t at) {
   std::memcpy(&value, bytes.data() + at, sizeof(T));
   return value;
 }
-
-struct LazItem {
-  uint16_t kind = 0;
-  uint16_t bytes = 0;
-  uint16_t version = 0;
-};
 
 struct LazFormat {
   uint16_t compressor = 0;
@@ -91,7 +68,7 @@ std::optional<LazFormat> laz_format_of(std::span<const std::byte> records) {
   const std::size_t items = *load_within<uint16_t>(*content, 32);
   for (std::size_t i = 0; i < items && kItems + 6 * (i + 1) <= content->size(); ++i) {
     const std::size_t at = kItems + 6 * i;
-    format.items.push_back({.kind = *load_within<uint16_t>(*content, at),
+    format.items.push_back({.kind = static_cast<LazItemKind>(*load_within<uint16_t>(*content, at)),
                             .bytes = *load_within<uint16_t>(*content, at + 2),
                             .version = *load_within<uint16_t>(*content, at + 4)});
   }
@@ -103,14 +80,14 @@ std::optional<PointwiseLayout> pointwise_layout_of(const LazFormat& format) {
   PointwiseLayout layout;
   for (std::size_t i = 0; i < format.items.size(); ++i) {
     const LazItem& item = format.items[i];
-    const bool is_known = item.version == 2 && (item.kind == kPoint10) == (i == 0);
-    if (!is_known || (item.kind != kPoint10 && item.kind != kTime11 && item.kind != kColor12 &&
-                      item.kind != kBytes)) {
+    const bool is_known = item.version == 2 && (item.kind == LazItemKind::point10) == (i == 0);
+    if (!is_known || (item.kind != LazItemKind::point10 && item.kind != LazItemKind::time11 &&
+                      item.kind != LazItemKind::color12 && item.kind != LazItemKind::bytes)) {
       return std::nullopt;
     }
-    layout.has_time = layout.has_time || item.kind == kTime11;
-    layout.has_color = layout.has_color || item.kind == kColor12;
-    layout.extra_bytes += item.kind == kBytes ? item.bytes : 0;
+    layout.has_time = layout.has_time || item.kind == LazItemKind::time11;
+    layout.has_color = layout.has_color || item.kind == LazItemKind::color12;
+    layout.extra_bytes += item.kind == LazItemKind::bytes ? item.bytes : 0;
   }
   return layout;
 }
@@ -118,14 +95,14 @@ std::optional<PointwiseLayout> pointwise_layout_of(const LazFormat& format) {
 /// Layers of an item of LAS 1.4; 0: it is none.
 std::size_t layers_of(const LazItem& item) {
   switch (item.kind) {
-    case kPoint14:
+    case LazItemKind::point14:
       return 9;
-    case kColor14:
-    case kWave14:
+    case LazItemKind::color14:
+    case LazItemKind::wave14:
       return 1;
-    case kColorNir14:
+    case LazItemKind::color_nir14:
       return 2;
-    case kBytes14:
+    case LazItemKind::bytes14:
       return item.bytes;
     default:
       return 0;
@@ -194,7 +171,7 @@ using Unpack = std::function<UnpackedChunk(const LazChunk&)>;
 LazPoints unpack_chunks(const std::vector<LazChunk>& chunks, const LazSource& source,
                         const Unpack& unpack) {
   LazPoints unpacked;
-  const std::size_t together = std::max(1U, std::thread::hardware_concurrency());
+  const std::size_t together = parallel_pieces();
   bool whole = true;
   for (std::size_t begin = 0; begin < chunks.size() && whole; begin += together) {
     std::vector<UnpackedChunk> parts(std::min(together, chunks.size() - begin));
@@ -219,78 +196,6 @@ LazPoints unpack_chunks(const std::vector<LazChunk>& chunks, const LazSource& so
 
 }  // namespace
 
-void add_laz_record(LasRecords& records, uint32_t chunk_points, std::size_t extra_bytes) {
-  std::string content;
-  append_raw(content, kLayeredChunks);
-  append_raw(content, uint16_t{0});  // the arithmetic coder
-  append_raw(content, uint8_t{3});   // the version of LASzip that has the same format
-  append_raw(content, uint8_t{4});
-  append_raw(content, uint16_t{3});
-  append_raw(content, uint32_t{0});
-  append_raw(content, chunk_points);
-  append_raw(content, int64_t{-1});  // no special records
-  append_raw(content, int64_t{-1});
-  append_raw(content, uint16_t{2});
-  for (const LazItem& item : {LazItem{kPoint14, kLas6Bytes, 3},
-                              LazItem{kBytes14, static_cast<uint16_t>(extra_bytes), 3}}) {
-    append_raw(content, item.kind);
-    append_raw(content, item.bytes);
-    append_raw(content, item.version);
-  }
-  records.add(kLazUser, kLazRecord, "packed as by LASzip", content);
-}
-
-LazChunkWriter::LazChunkWriter(OutputFile& file, uint64_t begin, std::size_t point_bytes)
-    : file_(&file), begin_(begin), at_(begin + sizeof(uint64_t)), point_bytes_(point_bytes) {
-  std::string table;
-  append_raw(table, uint64_t{0});  // written when it is known
-  file_->write(table);
-}
-
-std::vector<LazChunk> LazChunkWriter::write(std::span<const std::string_view> chunks) {
-  std::vector<std::string> packed(chunks.size());
-  in_parallel(chunks.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      packed[i] = pack_laz_chunk(chunks[i], point_bytes_);
-    }
-  });
-  std::vector<LazChunk> written;
-  for (std::size_t i = 0; i < chunks.size(); ++i) {
-    file_->write(packed[i]);
-    written.push_back(
-        {.begin = at_, .bytes = packed[i].size(), .points = chunks[i].size() / point_bytes_});
-    at_ += packed[i].size();
-  }
-  chunks_.insert(chunks_.end(), written.begin(), written.end());
-  return written;
-}
-
-uint64_t LazChunkWriter::finish(LazTable table) {
-  std::string bytes;
-  append_raw(bytes, uint32_t{0});
-  append_raw(bytes, static_cast<uint32_t>(chunks_.size()));
-  if (!chunks_.empty()) {
-    ArithmeticEncoder encoder;
-    IntegerModel model(32, 2);
-    LazChunk last;
-    for (const LazChunk& chunk : chunks_) {
-      if (table == LazTable::points_and_sizes) {
-        model.code(encoder, static_cast<int32_t>(last.points), static_cast<int32_t>(chunk.points),
-                   0);
-      }
-      model.code(encoder, static_cast<int32_t>(last.bytes), static_cast<int32_t>(chunk.bytes), 1);
-      last = chunk;
-    }
-    bytes += encoder.finish();
-  }
-  std::string begin;
-  append_raw(begin, at_);
-  file_->write(bytes);
-  file_->flush();
-  file_->overwrite(begin_, begin);
-  return at_ + bytes.size();
-}
-
 LazPoints unpack_laz(std::span<const std::byte> file, const LazSource& source) {
   const std::optional<LazFormat> format = laz_format_of(source.records);
   if (!format) {
@@ -309,7 +214,7 @@ LazPoints unpack_laz(std::span<const std::byte> file, const LazSource& source) {
       return unpack(file.subspan(chunk.begin, chunk.bytes), chunk.points);
     });
   };
-  if (format->compressor == kLayeredChunks && format->items.front().kind == kPoint14) {
+  if (format->compressor == kLayeredChunks && format->items.front().kind == LazItemKind::point14) {
     LazChunkLayout layout{.point_bytes = source.point_bytes, .layers = 0};
     for (const LazItem& item : format->items) {
       layout.layers += layers_of(item);
