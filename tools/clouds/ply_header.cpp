@@ -13,7 +13,7 @@
 namespace adit {
 namespace {
 
-constexpr std::size_t kLongestHeader = std::size_t{1} << 20U;
+constexpr std::size_t kLongestPlyHeader = std::size_t{1} << 20U;
 
 std::optional<ScalarType> scalar_type(std::string_view name) {
   struct Name {
@@ -42,10 +42,10 @@ std::optional<ScalarType> scalar_type(std::string_view name) {
   return found == kNames.end() ? std::nullopt : std::optional(found->type);
 }
 
-class HeaderParser {
+class PlyHeaderParser {
  public:
-  HeaderParser(const std::filesystem::path& file, std::string_view content)
-      : file_(file), lines_(content.substr(0, kLongestHeader)) {}
+  PlyHeaderParser(const std::filesystem::path& file, std::string_view content)
+      : file_(file), lines_(content.substr(0, kLongestPlyHeader)) {}
 
   PlyHeader parse() {
     const std::optional<std::string_view> magic = lines_.next();
@@ -161,7 +161,7 @@ std::size_t PlyElement::smallest_record() const {
 }
 
 PlyHeader parse_ply_header(const std::filesystem::path& file, std::string_view content) {
-  return HeaderParser(file, content).parse();
+  return PlyHeaderParser(file, content).parse();
 }
 
 }  // namespace adit
