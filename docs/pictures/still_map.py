@@ -4,7 +4,7 @@
 """Draws a finished map and its trajectory as a WebP: the pictures of docs/guides.
 
 Usage: still_map.py OUT CLOUD.las PICTURE.webp [TOP], from Debian's python3-numpy and python3-pil. Points more than TOP
-metres above the sensor are left out, so that one sees into rooms. The pictures of the guides, with the options of
+metres above the sensor are left out, which opens rooms from above. The pictures of the guides, with the options of
 `adit simulate` and TOP:
 
     mid360     office --sensor Mid-360 --trajectory walk --duration 60                 0.7
@@ -37,11 +37,11 @@ def main():
     points, times = read_las(cloud)
     poses = np.loadtxt(pathlib.Path(run) / "trajectory.tum")
     if len(sys.argv) == 5:
-        # Both begin with the first sweep, whatever epoch the file's times count from.
+        # The file's times may have another epoch; both start with the first sweep.
         height = np.interp(times - times.min(), poses[:, 0] - poses[0, 0], poses[:, 3])
         points = points[points[:, 2] < height + float(sys.argv[4])]
     colours = colours_of(points, *np.percentile(points[:, 2], (1, 99)))
-    # The scale at which the whole fits: that of a canvas with a pixel a metre tells it.
+    # A coarse canvas finds the scale at which the whole map fits into the picture.
     zoom = 1 / Canvas(points[:: max(1, len(points) // 100000)], colours, 1.0).whole[1]
     canvas = Canvas(points, colours, zoom)
     canvas.add(0, len(points))
