@@ -8,8 +8,8 @@ anything is.
 
 A block of commands is a fenced block marked `sh` (one command a line) or `console` (commands behind "$ ", then what
 they print: numbers may differ, a line "..." stands for any lines). The blocks of a page run one after the other in an
-empty folder that holds only drive.mcap, its ground truth and points.csv. What cannot run here is listed in NOT_RUN. Of these
-commands, and of those within sentences, verbs and options must exist.
+empty folder. It holds drive.mcap, its ground truth and points.csv if the page names one of them. What cannot run here is
+listed in NOT_RUN. Of these commands, and of those within sentences, verbs and options must exist.
 """
 
 import os
@@ -38,6 +38,7 @@ NOT_RUN = {
 }
 # The recording that every page may use, and its ground truth.
 PREPARED = ("simulate", "room", "--sensor", "VLP-16", "--duration", "4", "--seed", "5", "-o", "drive.mcap")
+NEEDS_PREPARED = re.compile(r"\bdrive\.(mcap|truth)|\bpoints\.csv")  # only such pages wait for it
 LIMIT_S = 240.0  # of one command
 FENCE = re.compile(r"^\s*```(.*)$")
 COMMAND = re.compile(r"^\s*(\$ |adit |\./dev )")
@@ -151,7 +152,7 @@ def exists(program, command):
 def check_page(program, page, text, used):
     """Problems of a page, as lines; `used` gets the entries of NOT_RUN that it needs."""
     with tempfile.TemporaryDirectory() as folder:
-        prepared = False
+        prepared = not NEEDS_PREPARED.search(text)
         outside = []
         for number, info, lines in blocks(text):
             if info not in ("sh", "console"):
@@ -190,7 +191,8 @@ def pages():
     """README, guides and what belongs to them; of docs/theory and decisions only the commands within sentences."""
     names = ["README.md", "CONTRIBUTING.md", "benchmarks/README.md", "benchmarks/results/README.md"]
     names += sorted(str(path.relative_to(ROOT)) for path in (ROOT / "docs").glob("*.md"))
-    names += sorted(str(path.relative_to(ROOT)) for path in (ROOT / "docs" / "theory").glob("*.md"))
+    for folder in ("guides", "theory"):
+        names += sorted(str(path.relative_to(ROOT)) for path in (ROOT / "docs" / folder).glob("*.md"))
     return names
 
 

@@ -63,6 +63,15 @@ class Guides(unittest.TestCase):
         self.assertEqual(self.program.ran, ["prepare", "adit run drive.mcap -o out", "adit info out/map.adit"])
         self.assertEqual(self.used, {"./dev "})
 
+    def test_a_page_that_makes_its_own_recording_waits_for_no_other(self):
+        self.assertEqual(self.problems(SOUND.replace("drive.mcap", "walk.mcap")), [])
+        self.assertEqual(self.program.ran[0], "adit run walk.mcap -o out")
+
+    def test_pages_of_all_folders_are_run(self):
+        pages = guides.pages()
+        for page in ("README.md", "docs/running.md", "docs/guides/ros2_bag.md", "docs/theory/odometry.md"):
+            self.assertIn(page, pages)
+
     def test_a_command_that_fails(self):
         self.expect("adit info out", "adit info fail", "page.md:8: adit info fail/map.adit: exit code 1")
 

@@ -51,22 +51,23 @@ def read_las(path):
 class Canvas:
     """All points seen from above and aside, without perspective: the nearest of each pixel, as far as they were added."""
 
-    def __init__(self, points, colours):
+    def __init__(self, points, colours, zoom=ZOOM):
+        self.zoom = zoom
         a, e = AZIMUTH, ELEVATION
         right = np.array([np.cos(a), np.sin(a), 0.0])
         away = np.array([-np.sin(a) * np.cos(e), np.cos(a) * np.cos(e), -np.sin(e)])
         self.axes = np.stack([right, -np.cross(right, away), away])
         flat = points @ self.axes.T
         self.begin, end = flat[:, :2].min(axis=0), flat[:, :2].max(axis=0)
-        columns, rows = np.ceil((end - self.begin) * ZOOM * SCALE).astype(int) + 1
+        columns, rows = np.ceil((end - self.begin) * zoom * SCALE).astype(int) + 1
         self.depth = np.full((rows, columns), np.inf, dtype=np.float32)
         self.colour = np.zeros((rows, columns, 3), dtype=np.float32)
-        self.points = ((flat[:, :2] - self.begin) * ZOOM * SCALE).astype(np.int32), flat[:, 2].astype(np.float32), colours
+        self.points = ((flat[:, :2] - self.begin) * zoom * SCALE).astype(np.int32), flat[:, 2].astype(np.float32), colours
         low, high = np.percentile(flat[:, :2], 0.3, axis=0), np.percentile(flat[:, :2], 99.7, axis=0)
-        self.whole = ((low + high) / 2 - self.begin) * ZOOM * SCALE, np.max((high - low) / (WIDTH, HEIGHT)) * ZOOM * 1.04
+        self.whole = ((low + high) / 2 - self.begin) * zoom * SCALE, np.max((high - low) / (WIDTH, HEIGHT)) * zoom * 1.04
 
     def project(self, points):
-        return ((points @ self.axes.T)[:, :2] - self.begin) * ZOOM * SCALE
+        return ((points @ self.axes.T)[:, :2] - self.begin) * self.zoom * SCALE
 
     def add(self, begin, end):
         """Draws points; which pixels they took."""
@@ -97,8 +98,8 @@ class Canvas:
         return Image.fromarray(picture).resize((WIDTH, HEIGHT), Image.BOX), np.array([left, top]), wide / WIDTH
 
 
-def colours_of(points):
-    place = np.clip((points[:, 2] - GROUND) / (SKY - GROUND), 0, 1) ** 0.75 * (len(COLOURS) - 1)
+def colours_of(points, ground=GROUND, sky=SKY):
+    place = np.clip((points[:, 2] - ground) / (sky - ground), 0, 1) ** 0.75 * (len(COLOURS) - 1)
     low = np.minimum(place.astype(int), len(COLOURS) - 2)
     share = (place - low)[:, None].astype(np.float32)
     return COLOURS[low] * (1 - share) + COLOURS[low + 1] * share
