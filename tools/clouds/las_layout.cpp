@@ -58,6 +58,24 @@ std::string class_names() {
   return bytes;
 }
 
+/// A point as it lies in a file.
+#pragma pack(push, 1)
+struct PackedPoint {
+  std::array<int32_t, 3> position;  ///< steps
+  uint16_t intensity;
+  uint8_t returns = 0x11;  ///< the first return of one
+  uint8_t flags = 0;
+  uint8_t classification;
+  uint8_t user = 0;
+  int16_t angle = 0;  ///< not known
+  uint16_t source;
+  double time;
+  uint16_t ring;  // extra bytes from here on
+  uint32_t keyframe;
+};
+#pragma pack(pop)
+static_assert(sizeof(PackedPoint) == kLasPointBytes);
+
 }  // namespace
 
 bool is_unix_time(Nanoseconds stamp) {
@@ -99,10 +117,11 @@ void add_las_records(LasRecords& records, const LasHeading& heading) {
 
 void append_las_point(std::string& bytes, LasExtent& extent, const LasPoint& point,
                       const LasHeading& heading, const std::filesystem::path& file) {
+  std::array<int32_t, 3> steps{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
-    const double steps = std::round((point.position[i] - heading.offset[i]) / kLasScale);
-    if (!(std::abs(steps) < 2e9)) {
+    const double rounded = std::round((point.position[i] - heading.offset[i]) / kLasScale);
+    if (!(std::abs(rounded) < 2e9)) {
       throw OutputError(
           file,
           fmt::format("{}: a point at {:.3f}, {:.3f}, {:.3f} m is beyond the 2000 km about "
@@ -111,10 +130,10 @@ void append_las_point(std::string& bytes, LasExtent& extent, const LasPoint& poi
                       file.string(), point.position.x(), point.position.y(), point.position.z(),
                       heading.offset.x(), heading.offset.y(), heading.offset.z()));
     }
-    const auto step = static_cast<int32_t>(steps);
+    const auto step = static_cast<int32_t>(rounded);
     extent.lowest[axis] = extent.points == 0 ? step : std::min(extent.lowest[axis], step);
     extent.highest[axis] = extent.points == 0 ? step : std::max(extent.highest[axis], step);
-    append_raw(bytes, step);
+    steps[axis] = step;
   }
   if (!extent.first) {
     extent.first = point.time;
@@ -122,16 +141,14 @@ void append_las_point(std::string& bytes, LasExtent& extent, const LasPoint& poi
   const double time = heading.unix_times ? adjusted_gps_time(point.time) : seconds(point.time);
   extent.earliest = std::min(extent.earliest, time);
   extent.latest = std::max(extent.latest, time);
-  append_raw(bytes, point.intensity);
-  append_raw(bytes, uint8_t{0x11});  // the first return of one
-  append_raw(bytes, uint8_t{0});
-  append_raw(bytes, static_cast<uint8_t>(point.classification));
-  append_raw(bytes, uint8_t{0});  // user data
-  append_raw(bytes, int16_t{0});  // scan angle: not known
-  append_raw(bytes, point.source);
-  append_raw(bytes, time);
-  append_raw(bytes, point.ring);
-  append_raw(bytes, point.keyframe);
+  const PackedPoint packed{.position = steps,
+                           .intensity = point.intensity,
+                           .classification = static_cast<uint8_t>(point.classification),
+                           .source = point.source,
+                           .time = time,
+                           .ring = point.ring,
+                           .keyframe = point.keyframe};
+  append_raw(bytes, packed);
   ++extent.points;
 }
 
