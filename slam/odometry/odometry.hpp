@@ -70,10 +70,13 @@ struct SweepResult {
   int cloud_points = 0;   ///< left after down-sampling
   int lost_points =
       0;  ///< found no place in a table on the device or in the submap's extent; 0 is normal
-  int moving_points = 0;     ///< that Doppler speeds showed to move: taken out before anything else
-  int crowded_voxels = 0;    ///< of the submap: times that one held more than 65 535 points
-  InertialReport inertial;   ///< state of the inertial sensor, where there is one
-  bool deskewed = false;     ///< points were moved to the sweep's start
+  int moving_points = 0;    ///< that Doppler speeds showed to move: taken out before anything else
+  int crowded_voxels = 0;   ///< of the submap: times that one held more than 65 535 points
+  InertialReport inertial;  ///< state of the inertial sensor, where there is one
+  bool deskewed = false;    ///< points were moved to the sweep's start
+  /// rad, rotation vector from the attitude at the sweep's start to the mean one over the sweep, as
+  /// de-skewing assumed it.
+  Eigen::Vector3d deskewed_turn = Eigen::Vector3d::Zero();
   std::vector<Point> cloud;  ///< keyframes only: the down-sampled sweep, lidar frame
   /// Coasted for so long that the submap starts anew, at a pose that inertia knows.
   bool renewed = false;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "adit/slam/inertial/sweep_motion.hpp"
 #include "adit/slam/odometry/odometry_impl.hpp"
 #include "adit/slam/odometry/possible_pose.hpp"
 #include "adit/slam/odometry/search_places.hpp"
@@ -116,7 +117,10 @@ engine::Submission Odometry::Impl::submit(const Expectation& expected) {
 
 void Odometry::Impl::read_back(Begun& sweep) {
   SweepResult& result = sweep.result;
-  result.deskewed = sweep.expected.motion.has_value();
+  if (sweep.expected.motion) {
+    result.deskewed = true;
+    result.deskewed_turn = mean_turn(*sweep.expected.motion);
+  }
   const gpu::SweepCounters counters = front_end.read_counters();
   result.valid_points = static_cast<int>(counters.valid_points);
   result.cloud_points = static_cast<int>(counters.cloud_points);

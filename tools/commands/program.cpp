@@ -22,6 +22,7 @@
 #include "adit/tools/commands/command_changes.hpp"
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_convert.hpp"
+#include "adit/tools/commands/command_deliver.hpp"
 #include "adit/tools/commands/command_demo.hpp"
 #include "adit/tools/commands/command_devices.hpp"
 #include "adit/tools/commands/command_evaluate.hpp"
@@ -129,6 +130,7 @@ int parse_and_run(std::span<const char* const> given, std::span<const AddCommand
   add_recover_command(app, done);
   add_view_command(app, done);
   add_export_command(app, done);
+  add_deliver_command(app, done);
   add_loops_command(app, done);
   add_optimize_command(app, done);
   add_merge_command(app, done);

@@ -19,8 +19,8 @@ struct ExportCommandOptions {
   std::optional<std::filesystem::path> output{};     ///< none: standard output, for the dump alone
   std::string trajectory{};                          ///< tum, kitti, csv, geojson, kml, gpkg
   std::string graph{};                               ///< g2o
-  std::string cloud{};                               ///< ply, pcd, las
-  std::string dense{};                               ///< ply, pcd, las
+  std::string cloud{};                               ///< ply, pcd, las, laz, copc
+  std::string dense{};                               ///< ply, pcd, las, laz, copc
   std::optional<std::filesystem::path> recording{};  ///< for dense; none: that of the map
   std::optional<double> resolution{};                ///< m, one point of the cloud a voxel
   bool picture = false;

@@ -147,13 +147,13 @@ void compare_sensors(const Recording& recording, const std::vector<MotionPair>& 
   }
   try {
     DeviceSession session(device);
-    // A guess of the motion within the sweep would enter what is compared: sweeps stand for their
-    // middles instead, and are aligned with the second before, which is skewed alike.
-    Config as_taken = config;
-    as_taken.preprocess.deskew = false;
-    as_taken.submap = {.l = 10, .delta_trans = 0.0, .delta_rot = 0.0};
+    // Sweeps are aligned with the second before. Where their points have times they are de-skewed
+    // at constant velocity; where these may be wrong all are skewed alike.
+    Config alone = config;
+    alone.submap = {.l = 10, .delta_trans = 0.0, .delta_rot = 0.0};
     for (const MotionPair& pair : pairs) {
-      Odometry odometry(session.context(), as_taken);
+      alone.preprocess.deskew = pair.trust_point_times;
+      Odometry odometry(session.context(), alone);
       result.motion.push_back(
           check_motion(recording, pair, [&](const Sweep& sweep) { return odometry.step(sweep); }));
     }

@@ -12,7 +12,6 @@
 #include "adit/slam/core/units.hpp"
 #include "adit/slam/inertial/gyroscope_integral.hpp"
 #include "adit/slam/inertial/reading_gate.hpp"
-#include "adit/tools/clouds/returns.hpp"
 #include "adit/tools/report/inertial_text.hpp"
 #include "adit/tools/topics/clock_watch.hpp"
 
@@ -54,21 +53,6 @@ class ClockShift {
   ClockWatch clock_;
 };
 
-/// When its points were taken, on average: what the pose of a sweep holds for.
-Nanoseconds middle_of(const Sweep& sweep) {
-  double sum = 0.0;
-  std::size_t returns = 0;
-  for (std::size_t i = 0; i < sweep.times.size(); ++i) {
-    const Point& p = sweep.points[i];
-    if (is_return(p)) {
-      sum += static_cast<double>(sweep.times[i]);
-      ++returns;
-    }
-  }
-  const double mean = returns == 0 ? 0.0 : sum / static_cast<double>(returns);
-  return sweep.stamp + nanoseconds(mean);
-}
-
 double median(std::vector<double> values) {
   if (values.empty()) {
     return 0.0;
@@ -100,11 +84,14 @@ std::vector<RotationInterval> rotations_of(const Recording& recording,
     last_stamp = sweep.stamp;
     shift.add(event);
     ++check.sweeps;
-    const bool timed = check.pair.trust_point_times && !sweep.times.empty();
-    check.point_times = check.point_times || timed;
+    const double duration = check.pair.trust_point_times ? duration_of(sweep) : 0.0;
+    check.point_times = check.point_times || duration > 0.0;
     const SweepResult result = place(sweep);
     check.mapped.push_back(sweep_record(check.mapped.size(), result));
-    const StampedPose pose{timed ? middle_of(sweep) : sweep.stamp, result.T_map_lidar};
+    // What a sweep's alignment measures is its mean attitude; its pose is that less what de-skewing
+    // assumed.
+    StampedPose pose{sweep.stamp, result.T_map_lidar};
+    pose.pose.linear() = result.T_map_lidar.linear() * so3_exp(result.deskewed_turn);
     if (result.state != OdometryState::tracking) {
       last = result.state == OdometryState::coasting ? std::nullopt : std::optional(pose);
       return;
@@ -112,7 +99,10 @@ std::vector<RotationInterval> rotations_of(const Recording& recording,
     ++check.tracked;
     if (last && last->stamp < pose.stamp) {
       rotations.push_back(
-          {last->stamp, pose.stamp, so3_log(last->pose.linear().transpose() * pose.pose.linear())});
+          {.begin = last->stamp,
+           .end = pose.stamp,
+           .rotation = so3_log(last->pose.linear().transpose() * pose.pose.linear()),
+           .mean_over = duration});
     }
     last = pose;
   });
@@ -158,11 +148,11 @@ std::vector<ComparedTurn> compared_turns(const std::vector<RotationInterval>& ro
   for (const RotationInterval& one : rotations) {
     const double begin = seconds(one.begin - rotations.front().begin);
     const double end = seconds(one.end - rotations.front().begin);
-    if (!integral.covers(begin + found.offset, end + found.offset)) {
+    if (!integral.covers(begin + found.offset, end + one.mean_over + found.offset)) {
       continue;
     }
-    const Eigen::Vector3d turn =
-        integral.angle(end + found.offset) - integral.angle(begin + found.offset);
+    const Eigen::Vector3d turn = integral.angle(end + found.offset, one.mean_over) -
+                                 integral.angle(begin + found.offset, one.mean_over);
     turns.push_back({.end = end,
                      .duration = end - begin,
                      .range = one.rotation,

@@ -244,6 +244,12 @@ void check_sweeps(const TopicStatistics& topic, TopicFindings& findings) {
         "about its z axis, and whose sweeps nobody has corrected, can be told: "
         "recording.spin_rate = -10 (turns a second, clockwise seen from above)");
   }
+  if (s.duration.count > 1 && s.duration.greatest <= 0.0) {
+    findings.notice("no_point_times", "all points of a sweep have the same time",
+                    "motion within a sweep cannot be corrected",
+                    "Sensors that measure all at once have it so. Of a scanner the driver has left "
+                    "the field empty: tell it the sensor's model");
+  }
   if (const std::optional<Sector> sector = s.blocked_sector()) {
     findings.notice("blocked_sector",
                     "nothing is seen from azimuth " + with_decimals(sector->begin, 0) + " to " +

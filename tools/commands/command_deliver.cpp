@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_deliver.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
+#include "adit/tools/commands/command_export.hpp"
+#include "adit/tools/export/export_job.hpp"
+#include "adit/tools/export/export_options.hpp"
+#include "adit/tools/map_database/map_location.hpp"
+#include "adit/tools/results/kept_inputs.hpp"
+#include "adit/tools/run/earlier_run.hpp"
+#include "adit/tools/support/fingerprint.hpp"
+#include "adit/tools/support/input_file.hpp"
+#include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<DeliveryProduct> products_of(const DeliverCommandOptions& options) {
+  return options.preset ? parse_delivery(read_text_file(*options.preset), *options.preset)
+                        : parse_delivery(default_delivery(), "the built-in preset");
+}
+
+/// What all products' points are in; empty: the map's own frame.
+std::string coordinates_text(const MapDatabase& map, const DeliveryPlace& place) {
+  ExportCommandOptions options;
+  options.map = map.file();
+  options.origin = place.origin;
+  options.crs = place.crs;
+  options.geoid = place.geoid;
+  const MemoryLimit memory(0, 0);
+  const ExportJob job{
+      .map = &map,
+      .options = &options,
+      .file = {},
+      .georeference = place.origin ? parse_origin(*place.origin) : map.georeference(),
+      .memory = &memory};
+  const ProductCoordinates coordinates = coordinates_of(job, true);
+  return coordinates.frame() == ProductFrame::map ? "" : coordinates.name();
+}
+
+/// Whether a file of the recording can be read still.
+bool has_recording(const MapDatabase& map, const DeliveryPlace& place) {
+  if (place.recording) {
+    return true;
+  }
+  const std::vector<MapSession> sessions = map.sessions();
+  if (sessions.size() != 1) {
+    return false;
+  }
+  const std::vector<fs::path> paths = recordings_of(sessions.front());
+  std::error_code error;
+  return !paths.empty() &&
+         std::ranges::all_of(paths, [&](const fs::path& path) { return fs::exists(path, error); });
+}
+
+/// Runs `adit export` with these words. Returns its exit code.
+int run_export(const fs::path& map, const fs::path& file, const std::vector<std::string>& words) {
+  std::vector<std::string> all = {"adit", "export", map.string()};
+  all.insert(all.end(), words.begin(), words.end());
+  all.insert(all.end(), {"-o", file.string()});
+  std::vector<const char*> given;
+  for (const std::string& word : all) {
+    given.push_back(word.c_str());
+  }
+  const CommandLine line("adit", "");
+  int code = 0;
+  add_export_command(line.program(), [&code](int command_code) { code = command_code; });
+  return line.run(static_cast<int>(given.size()), given.data()).value_or(code);
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error || !fs::is_directory(folder, error)) {
+    throw OutputError(folder,
+                      folder.string() + ": cannot be made a folder. Name another one with -o.");
+  }
+}
+
+int deliver(const DeliverCommandOptions& options, std::ostream& out, std::ostream& err) {
+  const std::vector<DeliveryProduct> wanted = products_of(options);
+  const fs::path file = find_map(options.map);
+  const MapDatabase map(file, MapAccess::read);
+  const bool has_place = options.place.origin || map.georeference();
+  const std::string coordinates = coordinates_text(map, options.place);
+  make_folder(options.folder);
+  for (const DeliveryProduct& product : wanted) {
+    keep_input("-o", options.folder / product.file, file);
+  }
+  const std::string hash = fingerprint(file).hash;
+  DeliveryRecord record(options.folder);
+  std::vector<DeliveryProduct> there;
+  std::size_t failed = 0;
+  for (const DeliveryProduct& product : wanted) {
+    const bool placed = has_place || !product.needs_place;
+    if (!placed || (product.needs_recording && !has_recording(map, options.place))) {
+      err << "left out  " << product.file << " ("
+          << (placed ? "the recording is not there: --recording REC"
+                     : "the map has no place on the Earth: --origin PLACE")
+          << ")\n";
+      continue;
+    }
+    const std::vector<std::string> words = export_words(product, options.place);
+    if (record.has(product.file, hash, words)) {
+      out << "kept   " << (options.folder / product.file).string() << "\n";
+    } else if (run_export(file, options.folder / product.file, words) == 0) {
+      record.add(product.file, hash, words);
+    } else {
+      ++failed;
+      continue;
+    }
+    there.push_back(product);
+  }
+  const fs::path page = options.folder / "README.md";
+  replace_text_file(page, delivery_page(map, coordinates, there, options.folder));
+  out << "wrote  " << page.string() << "\n";
+  if (failed > 0) {
+    err << fmt::format(
+        "adit deliver: {} of {} files could not be written; the same command goes on "
+        "with them.\n",
+        failed, wanted.size());
+  }
+  return failed > 0 ? 1 : 0;
+}
+
+}  // namespace
+
+int deliver_command(const DeliverCommandOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit deliver", out, err, [&] {
+    if (options.print_preset) {
+      out << default_delivery();
+      return 0;
+    }
+    if (options.map.empty() || options.folder.empty()) {
+      throw UsageError("say which map, and where to: adit deliver MAP|OUT -o FOLDER.");
+    }
+    return deliver(options, out, err);
+  });
+}
+
+void add_deliver_command(Command app, std::function<void(int)> done) {
+  const Command command = app.add_command("deliver", "Write all that a client gets of a map");
+  const auto options = std::make_shared<DeliverCommandOptions>();
+  command.footer(
+      "OUT is the folder of a run, MAP the map in it, OUT/map.adit. The folder gets clouds (COPC, "
+      "LAZ), rasters, an occupancy grid, pictures, the trajectory, a report, and README.md, which "
+      "says what each is. What is there already of the same map is kept: an interrupted command is "
+      "given again. A preset says what is written, and is TOML.\n\n"
+      "Examples:\n"
+      "  adit deliver out -o delivery\n"
+      "  adit deliver out -o delivery --crs EPSG:25832 --geoid egm2008-1.pgm\n"
+      "  adit deliver --print-preset > ours.toml\n"
+      "  adit deliver out -o delivery --preset ours.toml\n\n"
+      "Exit codes: 0 done, 1 the map cannot be read or a file not written, 2 usage.");
+  command.option("map", options->map, "The map, or the folder of its run").value_name("MAP|OUT");
+  command.option("-o,--output", options->folder, "The folder; what it holds already is completed")
+      .value_name("FOLDER");
+  command.option("--preset", options->preset, "What to write; TOML").value_name("FILE");
+  command.flag("--print-preset", options->print_preset, "Print the preset that is used otherwise");
+  command
+      .option("--origin", options->place.origin,
+              "Places a map by hand: LAT,LON,ALT[,YAW] of its origin")
+      .value_name("PLACE");
+  command
+      .option("--crs", options->place.crs,
+              "Coordinates of a projected system by name, such as EPSG:25830; otherwise UTM")
+      .value_name("NAME");
+  command
+      .option("--geoid", options->place.geoid,
+              "Heights above the sea, by a file of GeographicLib's")
+      .value_name("FILE");
+  command
+      .option("--recording", options->place.recording,
+              "Where the recording is, if not where it was mapped")
+      .value_name("REC");
+  command.action(
+      [options, done = std::move(done)] { done(deliver_command(*options, std::cout, std::cerr)); });
+}
+
+}  // namespace adit
