@@ -60,7 +60,7 @@ needs = "recording"
 [[product]]
 file = "grid.yaml"
 export = "--grid --cell 0.05"
-about = "Occupancy grid for navigation (ROS map_server): grid.yaml and grid.pgm."
+about = "Occupancy grid for navigation (ROS map_server) with grid.pgm, in the frame of the map."
 
 [[product]]
 file = "map.png"
@@ -138,8 +138,9 @@ DeliveryProduct parse_product(const toml::table& table, const fs::path& file) {
 }
 
 std::string size_text(uint64_t bytes) {
-  return bytes < 1'000'000 ? fmt::format("{:.0f} kB", static_cast<double>(bytes) * 1e-3)
-                           : fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6);
+  return bytes < 1000        ? fmt::format("{} B", bytes)
+         : bytes < 1'000'000 ? fmt::format("{:.0f} kB", static_cast<double>(bytes) * 1e-3)
+                             : fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6);
 }
 
 /// The days of a survey, where its stamps are dates.
@@ -212,7 +213,7 @@ std::vector<std::string> export_words(const DeliveryProduct& product, const Deli
     words.emplace_back(option);
     words.push_back(value);
   };
-  const bool in_map_frame = has("--picture") || has("--graph") || has("--dump");
+  const bool in_map_frame = has("--picture") || has("--graph") || has("--dump") || has("--grid");
   const bool geodetic = has("kml") || has("geojson");
   if (place.recording && (has("--dense") || has("intensity"))) {
     add("--recording", place.recording->string());
