@@ -13,7 +13,8 @@
 namespace adit {
 
 /// What `adit export` is asked to write: one of trajectory, graph, cloud, dense, tiles, raster,
-/// grid, report, picture and dump is set; tiles and cloud go together.
+/// grid, slice, section, plan,
+/// report, picture and dump is set; tiles and cloud go together.
 struct ExportCommandOptions {
   std::filesystem::path map{};
   std::optional<std::filesystem::path> output{};     ///< none: standard output, for the dump alone
@@ -44,6 +45,9 @@ struct ExportCommandOptions {
   bool report = false;           ///< a page for whoever takes delivery
   bool grid = false;             ///< occupancy grid of ROS map_server
   std::optional<double> cell{};  ///< m, of rasters and grids
+  std::string slice{};           ///< "HEIGHT[,THICKNESS]", m
+  std::string section{};         ///< "X0,Y0,X1,Y1[,THICKNESS]", m
+  bool plan = false;             ///< a floor plan a storey
   std::string heights{};         ///< "LOW,HIGH", m above the sensor: what stands in the way
   DeviceOptions device{};        ///< for find_moving
 };
