@@ -18,6 +18,7 @@
 #include "adit/tools/cli/shared_options.hpp"
 #include "adit/tools/commands/export_plan_options.hpp"
 #include "adit/tools/export/export_cloud.hpp"
+#include "adit/tools/export/export_contours.hpp"
 #include "adit/tools/export/export_job.hpp"
 #include "adit/tools/export/export_plan.hpp"
 #include "adit/tools/export/export_poses.hpp"
@@ -146,8 +147,9 @@ void check_rasters(const ExportCommandOptions& options) {
     throw UsageError("-o " + options.output->string() +
                      ": a grid is a YAML file with a picture beside it; name it *.yaml.");
   }
-  if (options.cell && options.raster.empty() && !options.grid && !is_plan_raster(options)) {
-    throw UsageError("--cell needs --raster, --grid, or a plan as GeoTIFF.");
+  if (options.cell && options.raster.empty() && !options.grid && !is_plan_raster(options) &&
+      !options.contours) {
+    throw UsageError("--cell needs --raster, --grid, --contours, or a plan as GeoTIFF.");
   }
   if (options.cell && !(*options.cell >= 0.005 && *options.cell <= 1e3)) {
     throw UsageError("--cell: must be between 0.005 and 1000 m.");
@@ -173,7 +175,7 @@ void check_inputs(const ExportCommandOptions& options) {
 }
 
 void check_options(const ExportCommandOptions& options) {
-  const std::array<bool, 12> wanted = {!options.trajectory.empty(),
+  const std::array<bool, 13> wanted = {!options.trajectory.empty(),
                                        !options.graph.empty(),
                                        !options.cloud.empty() || options.tiles.has_value(),
                                        !options.dense.empty(),
@@ -182,13 +184,14 @@ void check_options(const ExportCommandOptions& options) {
                                        !options.slice.empty(),
                                        !options.section.empty(),
                                        options.plan,
+                                       options.contours.has_value(),
                                        options.report,
                                        options.picture,
                                        options.dump};
   if (std::ranges::count(wanted, true) != 1) {
     throw UsageError(
         "say what to export: one of --trajectory, --graph, --cloud, --dense, --tiles, --raster, "
-        "--grid, --slice, --section, --plan, --report, --picture and --dump.");
+        "--grid, --slice, --section, --plan, --contours, --report, --picture and --dump.");
   }
   if (!options.dump && !options.output) {
     throw UsageError("say where to: -o FILE.");
@@ -266,7 +269,9 @@ std::string write(const ExportJob& job) {
     return export_report(job);
   }
   if (is_plan(options)) {
-    return options.plan ? export_plan(job) : export_slice(job);
+    return options.plan       ? export_plan(job)
+           : options.contours ? export_contours(job)
+                              : export_slice(job);
   }
   return options.tiles ? export_tiles(job) : export_cloud(job);
 }
@@ -383,14 +388,15 @@ void add_export_command(Command app, std::function<void(int)> done) {
   command
       .option("--raster", options->raster,
               "The map from above as GeoTIFF, or PNG with world file by FILE's end: height (of the "
-              "highest point), intensity (of the recording's returns)")
-      .one_of({"height", "intensity"})
+              "highest point), ground (its height), intensity (of the recording's returns)")
+      .one_of({"height", "intensity", "ground"})
       .value_name("WHAT");
   command.flag("--grid", options->grid,
                "Occupancy grid of ROS map_server: a YAML file, and its PGM beside it");
   add_plan_options(command, *options);
   command
-      .option("--cell", options->cell, "Size of cells (m); 0.25 of rasters, 0.05 of grids, plans")
+      .option("--cell", options->cell,
+              "Size of cells (m); 0.25 of rasters, 0.05 of grids and plans, 0.5 of contours")
       .value_name("M");
   command.flag("--report", options->report,
                "A page to print: coordinates, coverage, loops, warnings, a picture, versions");

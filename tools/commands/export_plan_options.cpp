@@ -7,7 +7,8 @@
 namespace adit {
 
 bool is_plan(const ExportCommandOptions& options) {
-  return !options.slice.empty() || !options.section.empty() || options.plan;
+  return !options.slice.empty() || !options.section.empty() || options.plan ||
+         options.contours.has_value();
 }
 
 bool is_plan_raster(const ExportCommandOptions& options) {
@@ -21,6 +22,9 @@ void check_plan_options(const ExportCommandOptions& options) {
   }
   const std::string end = options.output->extension().string();
   const std::string name = "-o " + options.output->string();
+  if (options.contours && end != ".dxf") {
+    throw UsageError(name + ": contour lines are DXF files; name it *.dxf.");
+  }
   if (!options.section.empty() && is_plan_raster(options)) {
     throw UsageError(name +
                      ": a section is upright, and a GeoTIFF lies on the ground; name it "
@@ -47,6 +51,11 @@ void add_plan_options(const Command& command, ExportCommandOptions& options) {
   command.flag("--plan", options.plan,
                "A plan of each storey that the path leads over, 1.2 m above its floor: FILE_0, "
                "FILE_1 and so on, from the lowest");
+  command
+      .option("--contours", options.contours,
+              "Contour lines of the ground, so many metres apart in height, as DXF")
+      .from(0.01, 1000.0)
+      .value_name("STEP");
 }
 
 }  // namespace adit

@@ -34,6 +34,7 @@ Color ramp_color(float share) {
 
 const char* description_of(RasterValue value) {
   return value == RasterValue::height   ? "height of the highest point, m"
+         : value == RasterValue::ground ? "height of the ground, m"
          : value == RasterValue::points ? "number of points"
                                         : "mean intensity, the sensor's own scale";
 }
@@ -67,6 +68,7 @@ float CloudRaster::value_of(const Cell& cell) const {
     case RasterValue::points:
       return static_cast<float>(cell.count);
     case RasterValue::height:
+    case RasterValue::ground:
       break;
   }
   return cell.sum;
