@@ -256,6 +256,17 @@ TEST_F(PlanExport, AGridIsWhatNavigationReadsWithoutWhatMoved) {
   EXPECT_EQ(at(5.0, 1.0), 0) << "what stood there has moved";
 }
 
+TEST_F(PlanExport, TheGroundHasContoursAndARaster) {
+  ASSERT_EQ(exported({.raster = "ground", .cell = 0.25}, "ground.tif").code, 0);
+  EXPECT_NE(test::content(folder_ / "ground.tif").find("height of the ground"), std::string::npos);
+  // Both floors are flat, 0.8 m below the sensor: a line is nowhere but at multiples of the step.
+  const Ran flat = exported({.contours = 0.5}, "contours.dxf");
+  EXPECT_EQ(flat.code, 2) << flat.out;
+  EXPECT_NE(flat.err.find("the ground reaches no multiple of it"), std::string::npos) << flat.err;
+  refuses({.contours = 0.5}, "p.svg", "contour lines are DXF files");
+  refuses({.from = 1e6, .contours = 0.5}, "p.dxf", "no ground was seen");
+}
+
 TEST_F(PlanExport, AreTheSameBytesTwice) {
   for (const char* name : {"a.dxf", "a.svg", "a.tif"}) {
     ASSERT_EQ(exported({.slice = "0.5"}, name).code, 0);

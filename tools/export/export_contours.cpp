@@ -72,7 +72,7 @@ std::string export_contours(const ExportJob& job) {
   }
   write_text_file(job.file, drawing.str());
   return fmt::format("{} lines from {} to {} m, of {} cells of ground of {} m{}", lines.size(),
-                     shortest(lines.front().height), shortest(lines.back().height),
+                     in_digits(lines.front().height, 6), in_digits(lines.back().height, 6),
                      ground.cells().size(), shortest(ground.size()), in_coordinates(coordinates));
 }
 

@@ -13,8 +13,8 @@
 namespace adit {
 
 /// What `adit export` is asked to write: one of trajectory, graph, cloud, dense, tiles, raster,
-/// grid, slice, section, plan, contours,
-/// report, picture and dump is set; tiles and cloud go together.
+/// grid, slice, section, plan, contours, report, picture and dump is set; tiles and cloud go
+/// together.
 struct ExportCommandOptions {
   std::filesystem::path map{};
   std::optional<std::filesystem::path> output{};     ///< none: standard output, for the dump alone

@@ -14,9 +14,9 @@ namespace {
 // Surfaces that are tilted against the cut's normal by less than 30 degrees from upright: a slice
 // of 0.2 m smears them by 0.1 m at most, and as many degrees are beyond any wall.
 constexpr double kUpright = 0.866;
-// Normals scatter by some 10 degrees: of a surface that is seen at less it is not known which of
-// its sides that was.
-constexpr double kSideIsKnown = 0.17;
+// Sine of 5 degrees, by which normals of planes are wrong now and then: of a surface that is seen
+// at less it is not known which of its sides that was.
+constexpr double kSideIsKnown = 0.087;
 
 std::vector<PlanPoint> plan_points_of(const MapKeyframe& keyframe, const KeyframeSubmap& submap,
                                       const ProductCoordinates& coordinates,
