@@ -116,7 +116,7 @@ class PlanExport : public testing::Test {
       }
       add({5.0, 1.0, z}, Vector3d::UnitX(), true);
     }
-    for (double x = 0.2 + shift; x < 10.0; x += 0.3) {
+    for (double x = shift; x < 10.0; x += 0.1) {
       for (double y = 0.2; y < 6.0; y += 0.3) {
         add({x, y, floor}, Vector3d::UnitZ());
         add({x, y, floor + 2.7}, -Vector3d::UnitZ());
@@ -184,9 +184,8 @@ TEST_F(PlanExport, ASectionHasFloorsAndCeilings) {
 TEST_F(PlanExport, EachStoreyHasItsPlan) {
   const Ran done = exported({.plan = true}, "plan.dxf");
   ASSERT_EQ(done.code, 0) << done.err;
-  EXPECT_NE(done.out.find("2 storeys"), std::string::npos) << done.out;
-  EXPECT_NE(done.out.find("floor at -0.80 m"), std::string::npos) << done.out;
-  EXPECT_NE(done.out.find("floor at 2.60 m"), std::string::npos) << done.out;
+  EXPECT_NE(done.out.find("plan_0.dxf (floor at -0.80 m"), std::string::npos) << done.out;
+  EXPECT_NE(done.out.find("plan_1.dxf (floor at 2.60 m"), std::string::npos) << done.out;
   expect_room(test::content(folder_ / "plan_0.dxf"));
   expect_room(test::content(folder_ / "plan_1.dxf"));
   EXPECT_FALSE(fs::exists(folder_ / "plan.dxf"));
@@ -251,7 +250,7 @@ TEST_F(PlanExport, AGridIsWhatNavigationReadsWithoutWhatMoved) {
                                                                  : -1;
   };
   EXPECT_EQ(at(3.05, 0.001), 100);
-  EXPECT_EQ(at(3.05, 5.999), 100);
+  EXPECT_EQ(at(3.05, 6.05), 100);
   EXPECT_EQ(at(5.0, 3.0), 0);
   EXPECT_EQ(at(5.0, 1.0), 0) << "what stood there has moved";
 }

@@ -106,7 +106,7 @@ TEST(PlanDrawing, SvgIsToScale) {
   // 8 m at 1:20 are 400 mm, or 400 * 96 / 25.4 px.
   EXPECT_NE(svg.find("x1=\"60.00\""), std::string::npos);
   EXPECT_NE(svg.find("x2=\"1571.81\""), std::string::npos);
-  EXPECT_NE(svg.find("M40 59.5h2"), std::string::npos) << "two cells that touch are a run";
+  EXPECT_NE(svg.find("M0 20.5h2"), std::string::npos) << "two cells that touch are a run";
   EXPECT_EQ(svg.find(">N<"), std::string::npos);
   EXPECT_TRUE(svg.ends_with("</svg>\n"));
   PlanSheet north = sheet();

@@ -317,7 +317,7 @@ int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& er
   if (draft) {
     draft->take_its_place();
   }
-  out << "wrote  " << options.output->string() << " (" << wrote << ")\n";
+  out << (options.plan ? wrote : "wrote  " + options.output->string() + " (" + wrote + ")\n");
   return 0;
 }
 
@@ -337,8 +337,9 @@ void add_export_command(Command app, std::function<void(int)> done) {
   command.footer(
       "OUT is the folder of a run, MAP the map in it, OUT/map.adit. Without --frame, points and "
       "poses\n"
-      "are in the map's frame, m; of a map that is georeferenced LAS files, tiles and rasters are "
-      "in UTM.\n"
+      "are in the map's frame, m; of a map that is georeferenced LAS files, tiles, rasters and "
+      "plans\n"
+      "are in UTM.\n"
       "\nExamples:\n"
       "  adit export out --trajectory tum -o trajectory.tum\n"
       "  adit export out --graph g2o -o graph.g2o\n"

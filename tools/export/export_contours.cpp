@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/export/export_contours.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -19,6 +22,8 @@ namespace adit {
 namespace {
 
 constexpr double kContourCell = 0.5;  // m: as close as contours are read
+// m, of cells that ground is followed in: a step to the next one rises less than a chair's seat.
+constexpr double kSearchCell = 0.25;
 constexpr int64_t kIndexContour = 5;  // each fifth is drawn on a layer of its own
 
 }  // namespace
@@ -28,22 +33,30 @@ GroundHeights ground_of(const ExportJob& job, const ProductCoordinates& coordina
   const CloudSelection selection = selection_of(job, coordinates);
   CloudSelection anywhere = selection;
   anywhere.polygon.clear();  // the ground of a part is reached from outside of it, too
-  GroundSearch search(size);
+  GroundSearch search(std::min(size, kSearchCell));
   std::vector<FloorStep> steps;
   visit_plan_points(*job.map, coordinates, anywhere,
                     [&](const MapKeyframe& keyframe, std::span<const PlanPoint> points) {
                       const Eigen::Vector3d sensor = coordinates.from_map(
                           Eigen::Vector3d(keyframe.T_map_keyframe.translation()));
-                      steps.push_back(floor_step(keyframe, sensor, points));
+                      if (is_wanted(selection, keyframe.session, keyframe.stamp)) {
+                        steps.push_back(floor_step(keyframe, sensor, points));
+                      }
                       search.add(points);
                       require_within(job);
                     });
   const GroundHeights all = search.reached_from(floors_under(std::move(steps)));
   GroundHeights ground(size);
+  std::map<GroundHeights::Index, std::pair<double, double>> means;  // sum and number
   for (const auto& [cell, height] : all.cells()) {
     if (selection.polygon.empty() || is_within(selection.polygon, all.middle(cell))) {
-      ground.set(cell, height);
+      auto& [sum, count] = means[ground.index_of(all.middle(cell))];
+      sum += height;
+      count += 1.0;
     }
+  }
+  for (const auto& [cell, mean] : means) {
+    ground.set(cell, mean.first / mean.second);
   }
   if (ground.cells().empty()) {
     throw UsageError(option + ": no ground was seen in what is left of the map.");

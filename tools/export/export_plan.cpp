@@ -198,7 +198,9 @@ std::string export_plan(const ExportJob& job) {
                     [&](const MapKeyframe& keyframe, std::span<const PlanPoint> points) {
                       const Eigen::Vector3d sensor = coordinates.from_map(
                           Eigen::Vector3d(keyframe.T_map_keyframe.translation()));
-                      steps.push_back(floor_step(keyframe, sensor, points));
+                      if (is_wanted(selection, keyframe.session, keyframe.stamp)) {
+                        steps.push_back(floor_step(keyframe, sensor, points));
+                      }
                     });
   const std::vector<Storey> storeys = find_storeys(floors_under(std::move(steps)));
   if (storeys.empty()) {
@@ -230,13 +232,14 @@ std::string export_plan(const ExportJob& job) {
                       }
                       require_within(job);
                     });
-  std::string wrote = fmt::format("{} storeys", storeys.size());
+  std::string wrote;
   for (std::size_t i = 0; i < storeys.size(); ++i) {
     const fs::path file = file_of_storey(*options.output, i);
     const std::string where =
         fmt::format("floor at {:.2f} m, {:.0f} m of path", storeys[i].floor, storeys[i].length);
     if (slices[i].empty()) {
-      wrote += fmt::format("\n       no points {} m above the {}", shortest(kPlanHeight), where);
+      wrote += fmt::format("no     {} ({}: no points {} m above it)\n", file.string(), where,
+                           shortest(kPlanHeight));
       continue;
     }
     Draft draft(file);
@@ -245,7 +248,7 @@ std::string export_plan(const ExportJob& job) {
     const std::string what =
         slices[i].write(draft.path(), sheet_of(coordinates, title, true), coordinates);
     draft.take_its_place();
-    wrote += fmt::format("\n       {}: {}; {}{}", file.string(), where, what,
+    wrote += fmt::format("wrote  {} ({}; {}{})\n", file.string(), where, what,
                          in_coordinates(coordinates));
   }
   return wrote;

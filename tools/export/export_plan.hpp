@@ -15,7 +15,7 @@ namespace adit {
 std::string export_slice(const ExportJob& job);
 
 /// --plan: a file for each storey beside the one that was asked for, FILE_0 and so on. Returns what
-/// was written, a line each.
+/// was written, a line for each with its end.
 std::string export_plan(const ExportJob& job);
 
 /// FILE_N of a storey.

@@ -118,11 +118,18 @@ class PlanPage {
 
   /// Doubtful points as the cells that they are in, in runs.
   void rest() {
+    if (sheet_->lines.rest.empty()) {
+      return;
+    }
     std::map<int64_t, std::vector<int64_t>> rows;  // from the top
     const double edge = SliceCells::kEdge;
+    Eigen::AlignedBox2d box;
     for (const Vector2d& point : sheet_->lines.rest) {
-      rows[std::llround((box_.max().y() - point.y()) / edge)].push_back(
-          std::llround((point.x() - box_.min().x()) / edge));
+      box.extend(point);
+    }
+    for (const Vector2d& point : sheet_->lines.rest) {
+      rows[std::llround((box.max().y() - point.y()) / edge)].push_back(
+          std::llround((point.x() - box.min().x()) / edge));
     }
     CellRuns runs{.color = kUnknownColor};
     for (auto& [row, columns] : rows) {
@@ -141,7 +148,7 @@ class PlanPage {
       }
     }
     const Vector2d half = Vector2d(-0.5, 0.5) * edge;
-    document_.cells({&runs, 1}, px(Vector2d(box_.min().x(), box_.max().y()) + half),
+    document_.cells({&runs, 1}, px(Vector2d(box.min().x(), box.max().y()) + half),
                     px_per_m_ * edge);
   }
 
