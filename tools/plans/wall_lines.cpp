@@ -40,6 +40,38 @@ constexpr int kRefits = 3;
 // thinner.
 constexpr double kMerged = 0.2;
 
+/// A line through points by total least squares.
+struct FittedLine {
+  Vector2d middle = Vector2d::Zero();
+  Vector2d normal = Vector2d::UnitX();  ///< towards the side that was seen
+  double spread = 0.0;                  ///< m, standard deviation across
+  double length = 0.0;                  ///< m, along
+
+  double off(const Vector2d& p) const { return normal.dot(p - middle); }
+  Vector2d along() const { return {normal.y(), -normal.x()}; }
+};
+
+// The axes of a symmetric matrix in closed form: the same bits wherever roots are as IEEE 754 asks.
+FittedLine fitted(const SliceFace& sums) {
+  FittedLine line;
+  line.middle = sums.sum / sums.points;
+  const Matrix2d covariance = sums.squares / sums.points - line.middle * line.middle.transpose();
+  const double half = 0.5 * (covariance(0, 0) - covariance(1, 1));
+  const double mixed = covariance(0, 1);
+  const double root = std::sqrt(half * half + mixed * mixed);
+  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
+  // Of two ways to write the long axis that which loses no digits.
+  Vector2d axis = half >= 0.0 ? Vector2d(half + root, mixed) : Vector2d(mixed, root - half);
+  axis = axis.norm() > 0.0 ? Vector2d(axis.normalized()) : Vector2d(Vector2d::UnitX());
+  line.normal = {-axis.y(), axis.x()};
+  if (line.normal.dot(sums.normals) < 0.0) {
+    line.normal = -line.normal;
+  }
+  line.spread = std::sqrt(std::max(0.0, mean - root));
+  line.length = std::sqrt(std::max(0.0, mean + root));
+  return line;
+}
+
 struct Face {
   SliceCells::Key key{};
   SliceFace sums{};
@@ -329,51 +361,19 @@ SliceFace& SliceFace::operator+=(const SliceFace& other) {
   return *this;
 }
 
-// The axes of a symmetric matrix in closed form: the same bits wherever roots are as IEEE 754 asks.
-FittedLine fitted(const SliceFace& sums) {
-  FittedLine line;
-  line.middle = sums.sum / sums.points;
-  const Matrix2d covariance = sums.squares / sums.points - line.middle * line.middle.transpose();
-  const double half = 0.5 * (covariance(0, 0) - covariance(1, 1));
-  const double mixed = covariance(0, 1);
-  const double root = std::sqrt(half * half + mixed * mixed);
-  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
-  // Of two ways to write the long axis that which loses no digits.
-  Vector2d axis = half >= 0.0 ? Vector2d(half + root, mixed) : Vector2d(mixed, root - half);
-  axis = axis.norm() > 0.0 ? Vector2d(axis.normalized()) : Vector2d(Vector2d::UnitX());
-  line.normal = {-axis.y(), axis.x()};
-  if (line.normal.dot(sums.normals) < 0.0) {
-    line.normal = -line.normal;
+void SliceCells::add(const Vector2d& place, const Vector2d& normal) {
+  if (faces_.empty()) {
+    origin_ = kEdge * (place / kEdge).array().floor().matrix();
   }
-  line.spread = std::sqrt(std::max(0.0, mean - root));
-  line.length = std::sqrt(std::max(0.0, mean + root));
-  return line;
-}
-
-SliceCells::Key SliceCells::key_of(const Vector2d& place, const Vector2d& normal) {
+  const Vector2d p = place - origin_;
   int64_t way = kWays;
   if (normal.norm() > 0.0) {
     const double turn = std::atan2(normal.y(), normal.x()) / (2.0 * std::numbers::pi);
     way = ((std::llround(turn * kWays) % kWays) + kWays) % kWays;
   }
-  return {static_cast<int64_t>(std::floor(place.y() / kEdge)),
-          static_cast<int64_t>(std::floor(place.x() / kEdge)), way};
-}
-
-Vector2d SliceCells::origin_of(const Vector2d& place) {
-  return kEdge * (place / kEdge).array().floor().matrix();
-}
-
-void SliceCells::add(const Vector2d& place, const Vector2d& normal) {
-  if (faces_.empty()) {
-    origin_ = origin_of(place);
-  }
-  faces_[key_of(place - origin_, normal)].add(place - origin_, normal);
-}
-
-void SliceCells::add(const Key& cell, const SliceFace& face) {
-  const Key by_normal = key_of(Vector2d::Zero(), face.normals);
-  faces_[{cell[0], cell[1], by_normal[2]}] += face;
+  faces_[{static_cast<int64_t>(std::floor(p.y() / kEdge)),
+          static_cast<int64_t>(std::floor(p.x() / kEdge)), way}]
+      .add(p, normal);
 }
 
 WallLines find_walls(const SliceCells& cells) {

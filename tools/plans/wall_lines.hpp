@@ -26,27 +26,11 @@ struct SliceFace {
   SliceFace& operator+=(const SliceFace& other);
 };
 
-/// A line through points by total least squares.
-struct FittedLine {
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  ///< towards the side that was seen
-  double spread = 0.0;                                ///< m, standard deviation across
-  double length = 0.0;                                ///< m, along
-
-  double off(const Eigen::Vector2d& p) const { return normal.dot(p - middle); }
-  Eigen::Vector2d along() const { return {normal.y(), -normal.x()}; }
-};
-/// The line through the sums of one point or more.
-FittedLine fitted(const SliceFace& sums);
-
 /// A slice as sums. The order of the points matters for the last bits alone; a map's is fixed.
 class SliceCells {
  public:
   /// m, the edge of a cell: finer than a wall is thick.
   static constexpr double kEdge = 0.05;
-
-  SliceCells() = default;
-  explicit SliceCells(const Eigen::Vector2d& origin) : origin_(origin) {}
 
   /// `normal`: the surface's direction within the slice, of any length, towards the sensor; zero
   /// where it has none.
@@ -55,12 +39,6 @@ class SliceCells {
   /// Row, column, and which way the surface faces.
   using Key = std::array<int64_t, 3>;
   static constexpr int64_t kWays = 8;  ///< the last number of a key is below; kWays itself: none
-  /// Of a place less the origin, and the origin for a first place.
-  static Key key_of(const Eigen::Vector2d& place, const Eigen::Vector2d& normal);
-  static Eigen::Vector2d origin_of(const Eigen::Vector2d& place);
-
-  /// Sums of points of a cell, by whatever key it had.
-  void add(const Key& cell, const SliceFace& face);
 
   bool empty() const { return faces_.empty(); }
   const std::map<Key, SliceFace>& faces() const { return faces_; }
