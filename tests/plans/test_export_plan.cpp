@@ -289,6 +289,8 @@ TEST_F(PlanExport, SayWhatCannotBe) {
   refuses({.cell = 0.1, .slice = "0.5"}, "p.dxf", "--cell needs");
   refuses({.slice = "0.5", .plan = true}, "p.dxf", "say what to export");
   refuses({.without_moving = true, .slice = "0.5"}, "p.dxf", "leave out what moves anyway");
+  refuses({.box = "50,50,60,60", .plan = true}, "p.dxf", "no points 1.2 m above any floor");
+  EXPECT_FALSE(fs::exists(folder_ / "p_0.dxf"));
   refuses({.until = 101.0, .plan = true}, "p.dxf", "keeps to no floor for 5 m");
 }
 

@@ -232,6 +232,10 @@ std::string export_plan(const ExportJob& job) {
                       }
                       require_within(job);
                     });
+  if (std::ranges::all_of(slices, &SliceFile::empty)) {
+    throw UsageError("--plan: no points " + shortest(kPlanHeight) +
+                     " m above any floor. Choose a height yourself with --slice.");
+  }
   std::string wrote;
   for (std::size_t i = 0; i < storeys.size(); ++i) {
     const fs::path file = file_of_storey(*options.output, i);
