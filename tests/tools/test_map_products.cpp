@@ -481,7 +481,8 @@ TEST_F(MapProducts, RefuseWhatWouldHaveNoEffect) {
   refuses({.output = page, .frame = "map", .origin = kOrigin, .report = true},
           "--frame map: a rep");
   refuses({.dense = "las", .without_moving = true}, "of single returns it is not known");
-  refuses({.output = tif, .without_moving = true, .raster = "height"}, "rasters leave out");
+  refuses({.output = tif, .without_moving = true, .raster = "height"},
+          "rasters and plans leave out");
   refuses({.cloud = "ply", .from = 2.0, .until = 1.0}, "--from is later than --until");
   refuses({.output = folder_ / "g.yaml", .until = 1.0, .grid = true}, "--grid: no point is within");
 }

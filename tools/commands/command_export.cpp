@@ -13,20 +13,21 @@
 
 #include <fmt/core.h>
 
-#include "adit/slam/core/text.hpp"
 #include "adit/tools/cli/command_guard.hpp"
 #include "adit/tools/cli/command_line.hpp"
 #include "adit/tools/cli/shared_options.hpp"
+#include "adit/tools/commands/export_plan_options.hpp"
 #include "adit/tools/export/export_cloud.hpp"
+#include "adit/tools/export/export_contours.hpp"
 #include "adit/tools/export/export_job.hpp"
+#include "adit/tools/export/export_plan.hpp"
 #include "adit/tools/export/export_poses.hpp"
 #include "adit/tools/export/export_raster.hpp"
 #include "adit/tools/export/export_report.hpp"
+#include "adit/tools/export/found_space.hpp"
 #include "adit/tools/map_database/map_location.hpp"
-#include "adit/tools/map_products/moved_space_map.hpp"
 #include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/support/output_file.hpp"
-#include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -98,30 +99,30 @@ void check_frames(const ExportCommandOptions& options) {
 }
 
 void check_selection(const ExportCommandOptions& options) {
-  const bool points =
-      !options.cloud.empty() || !options.dense.empty() || options.tiles || !options.raster.empty();
+  const bool points = !options.cloud.empty() || !options.dense.empty() || options.tiles ||
+                      !options.raster.empty() || is_plan(options);
   if (!options.box.empty() && options.polygon) {
     throw UsageError("--box and --polygon exclude each other.");
   }
   if ((!options.box.empty() || options.polygon || options.without_moving) && !points) {
     throw UsageError(
         "--box, --polygon and --without-moving are for points: --cloud, --dense, "
-        "--tiles, --raster.");
+        "--tiles, --raster, plans.");
   }
   if (options.find_moving && !points && !options.grid && !options.report) {
     throw UsageError(
         "--find-moving is for points, grids and reports: --cloud, --dense, --tiles, --raster, "
-        "--grid, --report.");
+        "plans, --grid, --report.");
   }
   if (options.without_gone && !points) {
-    throw UsageError("--without-gone is for points: --cloud, --dense, --tiles, --raster.");
+    throw UsageError("--without-gone is for points: --cloud, --dense, --tiles, --raster, plans.");
   }
   if (!options.find_moving && (!options.device.device.empty() || options.device.validation ||
                                options.device.max_vram_bytes > 0)) {
     throw UsageError("--device, --max-vram and --validation need --find-moving.");
   }
-  if (options.without_moving && !options.raster.empty()) {
-    throw UsageError("--without-moving: rasters leave out what moves anyway.");
+  if (options.without_moving && (!options.raster.empty() || is_plan(options))) {
+    throw UsageError("--without-moving: rasters and plans leave out what moves anyway.");
   }
   if (options.without_moving && !options.dense.empty() && !options.find_moving) {
     throw UsageError(
@@ -146,8 +147,9 @@ void check_rasters(const ExportCommandOptions& options) {
     throw UsageError("-o " + options.output->string() +
                      ": a grid is a YAML file with a picture beside it; name it *.yaml.");
   }
-  if (options.cell && options.raster.empty() && !options.grid) {
-    throw UsageError("--cell needs --raster or --grid.");
+  if (options.cell && options.raster.empty() && !options.grid && !is_plan_raster(options) &&
+      !options.contours) {
+    throw UsageError("--cell needs --raster, --grid, --contours, or a plan as GeoTIFF.");
   }
   if (options.cell && !(*options.cell >= 0.005 && *options.cell <= 1e3)) {
     throw UsageError("--cell: must be between 0.005 and 1000 m.");
@@ -173,19 +175,23 @@ void check_inputs(const ExportCommandOptions& options) {
 }
 
 void check_options(const ExportCommandOptions& options) {
-  const std::array<bool, 9> wanted = {!options.trajectory.empty(),
-                                      !options.graph.empty(),
-                                      !options.cloud.empty() || options.tiles.has_value(),
-                                      !options.dense.empty(),
-                                      !options.raster.empty(),
-                                      options.grid,
-                                      options.report,
-                                      options.picture,
-                                      options.dump};
+  const std::array<bool, 13> wanted = {!options.trajectory.empty(),
+                                       !options.graph.empty(),
+                                       !options.cloud.empty() || options.tiles.has_value(),
+                                       !options.dense.empty(),
+                                       !options.raster.empty(),
+                                       options.grid,
+                                       !options.slice.empty(),
+                                       !options.section.empty(),
+                                       options.plan,
+                                       options.contours.has_value(),
+                                       options.report,
+                                       options.picture,
+                                       options.dump};
   if (std::ranges::count(wanted, true) != 1) {
     throw UsageError(
         "say what to export: one of --trajectory, --graph, --cloud, --dense, --tiles, --raster, "
-        "--grid, --report, --picture and --dump.");
+        "--grid, --slice, --section, --plan, --contours, --report, --picture and --dump.");
   }
   if (!options.dump && !options.output) {
     throw UsageError("say where to: -o FILE.");
@@ -211,6 +217,7 @@ void check_options(const ExportCommandOptions& options) {
     throw UsageError("--recording needs --dense or --raster intensity.");
   }
   check_rasters(options);
+  check_plan_options(options);
   check_frames(options);
   check_selection(options);
   check_inputs(options);
@@ -261,55 +268,12 @@ std::string write(const ExportJob& job) {
   if (options.report) {
     return export_report(job);
   }
+  if (is_plan(options)) {
+    return options.plan       ? export_plan(job)
+           : options.contours ? export_contours(job)
+                              : export_slice(job);
+  }
   return options.tiles ? export_tiles(job) : export_cloud(job);
-}
-
-/// Looks for what has moved, and says what it has found.
-std::shared_ptr<const MovedSpace> find_moving(const ExportJob& job, std::ostream& out) {
-  DeviceOptions wanted = job.options->device;
-  wanted.notes = job.err;
-  DeviceSession device(wanted);
-  std::optional<Progress> progress;
-  MovedSpace moved =
-      find_moved_space(*job.map, device.context(), job.memory->submap_bytes(),
-                       [&](std::size_t done, std::size_t total) {
-                         if (!progress) {
-                           progress.emplace(*job.err, progress_style_of_stderr(), "moving", total,
-                                            Progress::Clock::now(), "tiles");
-                         }
-                         progress->update(done, 0);
-                         require_within(job);
-                       });
-  if (progress) {
-    progress->finish();
-  }
-  device.require_no_complaints();
-  out << fmt::format("moving {} voxels of {} m hold what other submaps saw through\n",
-                     moved.voxels(), shortest(moved.edge()));
-  return std::make_shared<const MovedSpace>(std::move(moved));
-}
-
-/// Looks for what is gone since earlier sessions, and says what it has found.
-std::shared_ptr<const GoneSpace> find_gone(const ExportJob& job, std::ostream& out) {
-  std::optional<Progress> progress;
-  const auto until =
-      job.options->until ? std::optional(nanoseconds(*job.options->until)) : std::nullopt;
-  auto gone = std::make_shared<const GoneSpace>(
-      gone_space(job.map->file(), until, [&](const ChangesStep& step) {
-        if (!progress) {
-          progress.emplace(*job.err, progress_style_of_stderr(), "comparing", step.total,
-                           Progress::Clock::now(), "tiles");
-        }
-        progress->update(step.done, 0);
-        require_within(job);
-        return true;
-      }));
-  if (progress) {
-    progress->finish();
-  }
-  out << fmt::format("gone   {} voxels of {} m hold what later sessions saw through\n",
-                     gone->voxels(), shortest(gone->edge()));
-  return gone;
 }
 
 int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& err) {
@@ -330,7 +294,8 @@ int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& er
   // What cannot be completed leaves what was there; devices and pipes have no place to take.
   std::error_code ignored;
   std::optional<Draft> draft;
-  if (!fs::exists(*options.output, ignored) || fs::is_regular_file(*options.output, ignored)) {
+  if (!options.plan &&
+      (!fs::exists(*options.output, ignored) || fs::is_regular_file(*options.output, ignored))) {
     draft.emplace(*options.output);
     job.file = draft->path();
   }
@@ -352,7 +317,7 @@ int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& er
   if (draft) {
     draft->take_its_place();
   }
-  out << "wrote  " << options.output->string() << " (" << wrote << ")\n";
+  out << (options.plan ? wrote : "wrote  " + options.output->string() + " (" + wrote + ")\n");
   return 0;
 }
 
@@ -372,8 +337,9 @@ void add_export_command(Command app, std::function<void(int)> done) {
   command.footer(
       "OUT is the folder of a run, MAP the map in it, OUT/map.adit. Without --frame, points and "
       "poses\n"
-      "are in the map's frame, m; of a map that is georeferenced LAS files, tiles and rasters are "
-      "in UTM.\n"
+      "are in the map's frame, m; of a map that is georeferenced LAS files, tiles, rasters and "
+      "plans\n"
+      "are in UTM.\n"
       "\nExamples:\n"
       "  adit export out --trajectory tum -o trajectory.tum\n"
       "  adit export out --graph g2o -o graph.g2o\n"
@@ -384,6 +350,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
       "  adit export out --tiles 20 -o autoware\n"
       "  adit export out --raster height --cell 0.5 -o height.tif\n"
       "  adit export out --grid -o grid.yaml\n"
+      "  adit export out --plan -o plan.dxf\n"
       "  adit export out --report -o report.html\n"
       "  adit export out --picture -o map.png\n"
       "  adit export out --dump | sha256sum\n\n"
@@ -423,12 +390,15 @@ void add_export_command(Command app, std::function<void(int)> done) {
   command
       .option("--raster", options->raster,
               "The map from above as GeoTIFF, or PNG with world file by FILE's end: height (of the "
-              "highest point), intensity (of the recording's returns)")
-      .one_of({"height", "intensity"})
+              "highest point), ground (its height), intensity (of the recording's returns)")
+      .one_of({"height", "intensity", "ground"})
       .value_name("WHAT");
   command.flag("--grid", options->grid,
                "Occupancy grid of ROS map_server: a YAML file, and its PGM beside it");
-  command.option("--cell", options->cell, "Size of cells (m); 0.25 of rasters, 0.05 of grids")
+  add_plan_options(command, *options);
+  command
+      .option("--cell", options->cell,
+              "Size of cells (m); 0.25 of rasters, 0.05 of grids and plans, 0.5 of contours")
       .value_name("M");
   command.flag("--report", options->report,
                "A page to print: coordinates, coverage, loops, warnings, a picture, versions");

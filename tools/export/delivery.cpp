@@ -58,6 +58,11 @@ about = "The intensity of the returns from above (GeoTIFF), 10 cm a cell: markin
 needs = "recording"
 
 [[product]]
+file = "plan.dxf"
+export = "--plan"
+about = "Floor plans (DXF): plan_0.dxf of the lowest storey, and so on; walls as lines, 1.2 m above the floor."
+
+[[product]]
 file = "grid.yaml"
 export = "--grid --cell 0.05"
 about = "Occupancy grid for navigation (ROS map_server) with grid.pgm, in the frame of the map."

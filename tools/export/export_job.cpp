@@ -28,8 +28,9 @@ namespace {
 
 /// Formats that name a coordinate reference system by its number alone.
 bool numbers_its_system(const ExportCommandOptions& options) {
-  return options.trajectory == "gpkg" ||
-         (!options.raster.empty() && options.output->extension() != ".png");
+  const std::string end = options.output ? options.output->extension().string() : "";
+  return options.trajectory == "gpkg" || (!options.raster.empty() && end != ".png") ||
+         ((!options.slice.empty() || options.plan) && (end == ".tif" || end == ".tiff"));
 }
 
 ProductCoordinates coordinates_in(const ExportJob& job, ProductFrame frame) {

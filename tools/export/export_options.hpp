@@ -13,7 +13,8 @@
 namespace adit {
 
 /// What `adit export` is asked to write: one of trajectory, graph, cloud, dense, tiles, raster,
-/// grid, report, picture and dump is set; tiles and cloud go together.
+/// grid, slice, section, plan, contours, report, picture and dump is set; tiles and cloud go
+/// together.
 struct ExportCommandOptions {
   std::filesystem::path map{};
   std::optional<std::filesystem::path> output{};     ///< none: standard output, for the dump alone
@@ -38,14 +39,18 @@ struct ExportCommandOptions {
   std::optional<double> from{};     ///< s, stamps
   std::optional<double> until{};
   bool without_moving = false;
-  bool without_gone = false;     ///< by what later sessions, up to `until`, see through
-  bool find_moving = false;      ///< by the rays of all submaps, on the device
-  std::string raster{};          ///< height, intensity
-  bool report = false;           ///< a page for whoever takes delivery
-  bool grid = false;             ///< occupancy grid of ROS map_server
-  std::optional<double> cell{};  ///< m, of rasters and grids
-  std::string heights{};         ///< "LOW,HIGH", m above the sensor: what stands in the way
-  DeviceOptions device{};        ///< for find_moving
+  bool without_gone = false;         ///< by what later sessions, up to `until`, see through
+  bool find_moving = false;          ///< by the rays of all submaps, on the device
+  std::string raster{};              ///< height, intensity, ground
+  bool report = false;               ///< a page for whoever takes delivery
+  bool grid = false;                 ///< occupancy grid of ROS map_server
+  std::optional<double> cell{};      ///< m, of rasters and grids
+  std::string slice{};               ///< "HEIGHT[,THICKNESS]", m
+  std::string section{};             ///< "X0,Y0,X1,Y1[,THICKNESS]", m
+  bool plan = false;                 ///< a floor plan a storey
+  std::optional<double> contours{};  ///< m, between lines of one height of the ground
+  std::string heights{};             ///< "LOW,HIGH", m above the sensor: what stands in the way
+  DeviceOptions device{};            ///< for find_moving
 };
 
 }  // namespace adit

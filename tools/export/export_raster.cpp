@@ -6,6 +6,7 @@
 
 #include "adit/slam/core/text.hpp"
 #include "adit/tools/export/export_cloud.hpp"
+#include "adit/tools/export/export_contours.hpp"
 #include "adit/tools/map_database/map_trajectory.hpp"
 #include "adit/tools/map_products/cloud_raster.hpp"
 #include "adit/tools/map_products/occupancy_grid.hpp"
@@ -35,14 +36,25 @@ std::string export_raster(const ExportJob& job) {
   const ExportCommandOptions& options = *job.options;
   const ProductCoordinates coordinates = coordinates_of(job, true);
   const bool intensity = options.raster == "intensity";
+  const bool ground = options.raster == "ground";
   const double cell = options.cell.value_or(kRasterCell);
-  CloudRaster raster(intensity ? RasterValue::intensity : RasterValue::height, cell);
+  CloudRaster raster(intensity ? RasterValue::intensity
+                     : ground  ? RasterValue::ground
+                               : RasterValue::height,
+                     cell);
   const TakeCloud take = [&](std::span<const CloudPoint> points) {
     raster.add(points);
     require_within(job);
   };
   if (intensity) {
     visit_dense(job, coordinates, take);
+  } else if (ground) {
+    const GroundHeights heights = ground_of(job, coordinates, cell, "--raster ground");
+    for (const auto& [index, height] : heights.cells()) {
+      const Eigen::Vector2d middle = heights.middle(index);
+      const CloudPoint point{.position = {middle.x(), middle.y(), height}};
+      take({&point, 1});
+    }
   } else {
     visit_cloud(*job.map, coordinates, selection_of(job, coordinates), take);
   }

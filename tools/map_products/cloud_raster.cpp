@@ -32,6 +32,13 @@ Color ramp_color(float share) {
   return mixed;
 }
 
+const char* description_of(RasterValue value) {
+  return value == RasterValue::height   ? "height of the highest point, m"
+         : value == RasterValue::ground ? "height of the ground, m"
+         : value == RasterValue::points ? "number of points"
+                                        : "mean intensity, the sensor's own scale";
+}
+
 }  // namespace
 
 void CloudRaster::add(std::span<const CloudPoint> points) {
@@ -55,7 +62,16 @@ float CloudRaster::value_of(const Cell& cell) const {
   if (cell.count == 0) {
     return kNothing;
   }
-  return value_ == RasterValue::intensity ? cell.sum / static_cast<float>(cell.count) : cell.sum;
+  switch (value_) {
+    case RasterValue::intensity:
+      return cell.sum / static_cast<float>(cell.count);
+    case RasterValue::points:
+      return static_cast<float>(cell.count);
+    case RasterValue::height:
+    case RasterValue::ground:
+      break;
+  }
+  return cell.sum;
 }
 
 Eigen::Vector2d CloudRaster::corner() const {
@@ -74,9 +90,7 @@ void CloudRaster::write_tiff(const std::filesystem::path& file,
                          .cell = grid_.size(),
                          .corner = corner(),
                          .coordinates = coordinates.name(),
-                         .description = value_ == RasterValue::height
-                                            ? "height of the highest point, m"
-                                            : "mean intensity, the sensor's own scale",
+                         .description = description_of(value_),
                          .software = "adit " + std::string(version())};
   if (const std::optional<int> epsg = coordinates.epsg()) {
     heading.epsg = *epsg;

@@ -21,6 +21,8 @@ namespace adit {
 enum class RasterValue {
   height,     ///< m, of the highest point
   intensity,  ///< mean, the sensor's own scale
+  points,     ///< how many there are
+  ground,     ///< m, of the points that are given: those of the ground
 };
 
 /// Only parts with points in them take memory. Borders of cells are at multiples of their size.

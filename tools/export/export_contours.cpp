@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/export/export_contours.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "adit/slam/core/text.hpp"
+#include "adit/tools/drawing/dxf_drawing.hpp"
+#include "adit/tools/plans/contour_lines.hpp"
+#include "adit/tools/plans/plan_points.hpp"
+#include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/usage_error.hpp"
+#include "adit/tools/support/version.hpp"
+
+namespace adit {
+namespace {
+
+constexpr double kContourCell = 0.5;  // m: as close as contours are read
+// m, of cells that ground is followed in: a step to the next one rises less than a chair's seat.
+constexpr double kSearchCell = 0.25;
+constexpr int64_t kIndexContour = 5;  // each fifth is drawn on a layer of its own
+
+}  // namespace
+
+GroundHeights ground_of(const ExportJob& job, const ProductCoordinates& coordinates, double size,
+                        const std::string& option) {
+  const CloudSelection selection = selection_of(job, coordinates);
+  CloudSelection anywhere = selection;
+  anywhere.polygon.clear();  // the ground of a part is reached from outside of it, too
+  GroundSearch search(std::min(size, kSearchCell));
+  std::vector<FloorStep> steps;
+  visit_plan_points(*job.map, coordinates, anywhere,
+                    [&](const MapKeyframe& keyframe, std::span<const PlanPoint> points) {
+                      const Eigen::Vector3d sensor = coordinates.from_map(
+                          Eigen::Vector3d(keyframe.T_map_keyframe.translation()));
+                      if (is_wanted(selection, keyframe.session, keyframe.stamp)) {
+                        steps.push_back(floor_step(keyframe, sensor, points));
+                      }
+                      search.add(points);
+                      require_within(job);
+                    });
+  const GroundHeights all = search.reached_from(floors_under(std::move(steps)));
+  GroundHeights ground(size);
+  std::map<GroundHeights::Index, std::pair<double, double>> means;  // sum and number
+  for (const auto& [cell, height] : all.cells()) {
+    if (selection.polygon.empty() || is_within(selection.polygon, all.middle(cell))) {
+      auto& [sum, count] = means[ground.index_of(all.middle(cell))];
+      sum += height;
+      count += 1.0;
+    }
+  }
+  for (const auto& [cell, mean] : means) {
+    ground.set(cell, mean.first / mean.second);
+  }
+  if (ground.cells().empty()) {
+    throw UsageError(option + ": no ground was seen in what is left of the map.");
+  }
+  return ground;
+}
+
+std::string export_contours(const ExportJob& job) {
+  const ExportCommandOptions& options = *job.options;
+  const double step = *options.contours;
+  const ProductCoordinates coordinates = coordinates_of(job, true);
+  const GroundHeights ground =
+      smoothed(ground_of(job, coordinates, options.cell.value_or(kContourCell), "--contours"));
+  const std::vector<ContourLine> lines = contour_lines(ground, step);
+  if (lines.empty()) {
+    throw UsageError(
+        fmt::format("--contours {}: the ground reaches no multiple of it.", shortest(step)));
+  }
+  DxfDrawing drawing({{.name = "CONTOURS", .color = 8}, {.name = "INDEX_CONTOURS", .color = 7}},
+                     fmt::format("adit {}: contour lines each {} m{}; metres", version(),
+                                 shortest(step), in_coordinates(coordinates)));
+  for (const ContourLine& line : lines) {
+    const bool is_index = std::llround(line.height / step) % kIndexContour == 0;
+    drawing.polyline(is_index ? "INDEX_CONTOURS" : "CONTOURS", line.places, line.closed,
+                     line.height);
+  }
+  write_text_file(job.file, drawing.str());
+  return fmt::format("{} lines from {} to {} m, of {} cells of ground of {} m{}", lines.size(),
+                     in_digits(lines.front().height, 6), in_digits(lines.back().height, 6),
+                     ground.cells().size(), shortest(ground.size()), in_coordinates(coordinates));
+}
+
+}  // namespace adit

@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The ground of a map, and its contour lines.
+#pragma once
+
+#include <string>
+
+#include "adit/tools/export/export_job.hpp"
+#include "adit/tools/plans/ground_surface.hpp"
+
+namespace adit {
+
+/// Of the part that is wanted, in cells of `size` (m). Throws UsageError, naming `option`, where
+/// there is none.
+GroundHeights ground_of(const ExportJob& job, const ProductCoordinates& coordinates, double size,
+                        const std::string& option);
+
+/// --contours: lines of one height as DXF. Returns what was written, for people.
+std::string export_contours(const ExportJob& job);
+
+}  // namespace adit
