@@ -249,6 +249,7 @@ TEST(LasReader, PackedPointsOfFormat3) {
   const LazPoints points =
       unpack_laz(bytes_in(file), {.begin = begin,
                                   .points = 40,
+                                  .format = 3,
                                   .point_bytes = 36,
                                   .records = bytes_in(file).subspan(227, begin - 227)});
   EXPECT_EQ(points.fault, "");

@@ -10,6 +10,9 @@ namespace {
 
 constexpr uint32_t kShortest = 1U << 24;  // interval: below this a byte is known
 constexpr uint32_t kHalf = 1U << 31;
+// The format's own: how often models are updated, and how many bits are coded at once.
+constexpr uint32_t kLongestBitCycle = 64;
+constexpr uint32_t kMostBitsAtOnce = 19;
 
 }  // namespace
 
@@ -56,7 +59,7 @@ void BitModel::update() {
     }
   }
   zero_ = (zeros_ * (kHalf / total_)) >> (31 - kBits);
-  cycle_ = std::min((5 * cycle_) >> 2, 64U);
+  cycle_ = std::min((5 * cycle_) >> 2, kLongestBitCycle);
   until_update_ = cycle_;
 }
 
@@ -103,7 +106,7 @@ bool ArithmeticEncoder::bit(BitModel& model, bool bit) {
 
 uint32_t ArithmeticEncoder::bits(uint32_t count, uint32_t value) {
   uint32_t left = value;
-  if (count > 19) {  // more would leave too short an interval
+  if (count > kMostBitsAtOnce) {
     bits(16, left & 0xffffU);
     left >>= 16;
     count -= 16;
@@ -159,7 +162,7 @@ bool ArithmeticDecoder::bit(BitModel& model, bool /*ignored*/) {
 }
 
 uint32_t ArithmeticDecoder::bits(uint32_t count, uint32_t /*ignored*/) {
-  if (count > 19) {
+  if (count > kMostBitsAtOnce) {
     const uint32_t lower = bits(16);
     return (bits(count - 16) << 16) | lower;
   }

@@ -87,7 +87,7 @@ class ArithmeticEncoder {
 
   uint32_t symbol(SymbolModel& model, uint32_t symbol);
   bool bit(BitModel& model, bool bit);
-  /// Up to 32 bits that nothing is known of.
+  /// Up to 32 bits without a model: 0 and 1 are equally likely.
   uint32_t bits(uint32_t count, uint32_t value);
   /// All bytes; nothing may be encoded after it.
   std::string finish();

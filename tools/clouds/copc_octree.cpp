@@ -15,11 +15,11 @@ namespace {
 
 constexpr std::size_t kBlockPoints = 32'768;   // read at a time
 constexpr std::size_t kPartBuffer = 64 << 10;  // bytes that wait for their part
-// Parts are found by counting points in cells of this level, 1024 a side: their number is bounded
-// by the ground that a survey covers.
-constexpr int32_t kCountedLevel = 10;
-constexpr int32_t kDeepestLevel = 20;  // places times cells a side stay below 2^64
-constexpr std::size_t kNodesAtATime = 16;
+// Parts are found by counting points in cells of so many levels below, 1024 a side: their number is
+// bounded by the ground that a survey covers.
+constexpr int32_t kCountedLevels = 10;
+constexpr int32_t kDeepestLevel = 20;      // places times cells a side stay below 2^64
+constexpr std::size_t kNodesAtATime = 16;  // packed at the same time, on as many processors
 
 uint64_t packed_key(const VoxelKey& key) {
   return (static_cast<uint64_t>(key.x) << 42) | (static_cast<uint64_t>(key.y) << 21) |
@@ -41,32 +41,34 @@ std::size_t octant_of(const VoxelKey& key, int32_t level) {
   return static_cast<std::size_t>((at.x & 1) | ((at.y & 1) << 1) | ((at.z & 1) << 2));
 }
 
-/// Calls take(block) with the bytes of points, in order.
+/// A subtree, and where its points are in a file.
+struct Part {
+  VoxelKey root{};
+  uint64_t begin = 0;  ///< byte
+  uint64_t points = 0;
+};
+
+/// Calls take(block) with the bytes of a part's points, in order.
 template <class Take>
-void visit_blocks(const ScratchFile& points, const Take& take) {
+void visit_blocks(const ScratchFile& points, const Part& part, const Take& take) {
   std::string block;
   constexpr uint64_t kBlockBytes = kBlockPoints * kLasPointBytes;
-  for (uint64_t at = 0; at < points.size(); at += block.size()) {
-    block.resize(std::min(kBlockBytes, points.size() - at));
+  const uint64_t end = part.begin + part.points * kLasPointBytes;
+  for (uint64_t at = part.begin; at < end; at += block.size()) {
+    block.resize(std::min(kBlockBytes, end - at));
     points.read_at(at, block);
     take(std::string_view(block));
   }
 }
 
 struct CountedCell {
-  VoxelKey key{};  ///< of kCountedLevel
-  uint64_t points = 0;
-};
-
-/// A subtree whose points are in memory at a time.
-struct Part {
-  VoxelKey root{};
-  uint64_t begin = 0;  ///< byte of the sorted points
+  VoxelKey key{};
   uint64_t points = 0;
 };
 
 /// The parts below a node, and which of them each counted cell is in.
 struct Parts {
+  int32_t counted_level = 0;
   std::vector<Part> parts{};
   std::unordered_map<uint64_t, std::size_t> part_of{};
 };
@@ -75,7 +77,7 @@ void split(const VoxelKey& root, std::vector<CountedCell> cells, uint64_t most, 
   const uint64_t points =
       std::accumulate(cells.begin(), cells.end(), uint64_t{0},
                       [](uint64_t sum, const CountedCell& cell) { return sum + cell.points; });
-  if (points <= most || root.level == kCountedLevel) {
+  if (points <= most || root.level == into.counted_level) {
     const uint64_t begin =
         into.parts.empty() ? 0
                            : into.parts.back().begin + into.parts.back().points * kLasPointBytes;
@@ -97,25 +99,25 @@ void split(const VoxelKey& root, std::vector<CountedCell> cells, uint64_t most, 
   }
 }
 
-Parts parts_of(const ScratchFile& points, const CopcCube& cube, uint64_t most) {
+Parts parts_of(const ScratchFile& points, const Part& whole, const CopcCube& cube, uint64_t most) {
+  Parts parts{.counted_level = std::min(whole.root.level + kCountedLevels, kDeepestLevel)};
   std::map<VoxelKey, uint64_t> counts;
-  visit_blocks(points, [&](std::string_view block) {
+  visit_blocks(points, whole, [&](std::string_view block) {
     for (std::size_t at = 0; at < block.size(); at += kLasPointBytes) {
-      ++counts[cube.key_of(cube.place_of(block.data() + at), kCountedLevel)];
+      ++counts[cube.key_of(cube.place_of(block.data() + at), parts.counted_level)];
     }
   });
   std::vector<CountedCell> cells;
   for (const auto& [key, count] : counts) {
     cells.push_back({.key = key, .points = count});
   }
-  Parts parts;
-  split({}, std::move(cells), most, parts);
+  split(whole.root, std::move(cells), most, parts);
   return parts;
 }
 
-/// The points in the order of their parts.
-void sort_by_part(const ScratchFile& points, const CopcCube& cube, const Parts& parts,
-                  ScratchFile& sorted) {
+/// Writes the points in the order of their parts.
+void sort_by_part(const ScratchFile& points, const Part& whole, const CopcCube& cube,
+                  const Parts& parts, ScratchFile& sorted) {
   struct Open {
     uint64_t at = 0;
     std::string waiting{};
@@ -129,9 +131,9 @@ void sort_by_part(const ScratchFile& points, const CopcCube& cube, const Parts& 
     part.at += part.waiting.size();
     part.waiting.clear();
   };
-  visit_blocks(points, [&](std::string_view block) {
+  visit_blocks(points, whole, [&](std::string_view block) {
     for (std::size_t at = 0; at < block.size(); at += kLasPointBytes) {
-      const VoxelKey key = cube.key_of(cube.place_of(block.data() + at), kCountedLevel);
+      const VoxelKey key = cube.key_of(cube.place_of(block.data() + at), parts.counted_level);
       Open& part = open[parts.part_of.at(packed_key(key))];
       part.waiting += block.substr(at, kLasPointBytes);
       if (part.waiting.size() >= kPartBuffer) {
@@ -296,22 +298,21 @@ CopcCube cube_of(const LasExtent& extent) {
 void visit_copc_nodes(const ScratchFile& points, const CopcCube& cube, const CopcLimits& limits,
                       const TakeNodes& take) {
   OctreeMaker maker(cube, limits, take);
-  const auto add = [&](const ScratchFile& from, const Part& part) {
-    std::string bytes(part.points * kLasPointBytes, '\0');
-    from.read_at(part.begin, bytes);
-    maker.add(part, bytes);
-  };
-  const uint64_t all = points.size() / kLasPointBytes;
-  if (all <= limits.part) {
-    add(points, {.points = all});
-  } else {
-    const Parts parts = parts_of(points, cube, limits.part);
-    ScratchFile sorted(points.beside());
-    sort_by_part(points, cube, parts, sorted);
-    for (const Part& part : parts.parts) {
-      add(sorted, part);
+  const auto visit = [&](const auto& self, const ScratchFile& from, const Part& part) -> void {
+    if (part.points <= limits.part || part.root.level == kDeepestLevel) {
+      std::string bytes(part.points * kLasPointBytes, '\0');
+      from.read_at(part.begin, bytes);
+      maker.add(part, bytes);
+      return;
     }
-  }
+    const Parts parts = parts_of(from, part, cube, limits.part);
+    ScratchFile sorted(points.beside());
+    sort_by_part(from, part, cube, parts, sorted);
+    for (const Part& one : parts.parts) {
+      self(self, sorted, one);
+    }
+  };
+  visit(visit, points, {.points = points.size() / kLasPointBytes});
   maker.finish();
 }
 

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The octree of a COPC file. A point is in the coarsest node in which no other point has its cell
-// yet, of 128 a side; nodes with few points below them keep all of them. The cube begins a third of
-// a step below the lowest point, where no half, quarter and so on of it comes to lie on a point:
-// what node a point is in never depends on how a reader rounds.
+// yet, of 128 a side; nodes with few points below them keep all of them. The cube begins a third
+// of a step below the lowest point, so that no half, quarter and so on of it lies on a point: a
+// reader that rounds finds each point in its node.
 #pragma once
 
 #include <array>

@@ -90,7 +90,8 @@ LasHeader parse_header(const std::filesystem::path& file, std::span<const std::b
 /// The bytes of the points, and what is wrong with their number.
 struct LasContent {
   std::span<const std::byte> points{};
-  std::string unpacked{};  ///< of a packed file: what `points` is of
+  std::size_t point_bytes = 1;  ///< from one to the next
+  std::string unpacked{};       ///< of a packed file: what `points` is of
   std::string fault{};
 };
 
@@ -101,9 +102,11 @@ LasContent plain_points(std::span<const std::byte> bytes, const LasHeader& heade
   const bool points_last = header.minor < 3 && header.begin < bytes.size();
   const bool more = points_last && there > header.points && points.size() % header.point_bytes == 0;
   if (header.points <= there && !more) {
-    return {.points = points.first(header.points * header.point_bytes)};
+    return {.points = points.first(header.points * header.point_bytes),
+            .point_bytes = header.point_bytes};
   }
   return {.points = points.first(there * header.point_bytes),
+          .point_bytes = header.point_bytes,
           .fault = "the header promises " + std::to_string(header.points) + " points of " +
                    std::to_string(header.point_bytes) + " bytes; the file holds " +
                    std::to_string(there) + (there > 0 ? ", which are read" : "")};
@@ -114,9 +117,12 @@ LasContent unpacked_points(std::span<const std::byte> bytes, const LasHeader& he
   const std::size_t records = std::min(header.header_bytes, begin);
   LazPoints points = unpack_laz(bytes, {.begin = header.begin,
                                         .points = header.points,
+                                        .format = header.format,
                                         .point_bytes = header.point_bytes,
                                         .records = bytes.subspan(records, begin - records)});
-  LasContent content{.unpacked = std::move(points.bytes), .fault = std::move(points.fault)};
+  LasContent content{.point_bytes = points.point_bytes,
+                     .unpacked = std::move(points.bytes),
+                     .fault = std::move(points.fault)};
   content.points = std::as_bytes(std::span(content.unpacked.data(), content.unpacked.size()));
   return content;
 }
@@ -146,7 +152,7 @@ CloudFile parse_las(const std::filesystem::path& file, std::string_view content,
   const LasHeader header = parse_header(file, bytes);
   const LasContent held =
       header.packed ? unpacked_points(bytes, header) : plain_points(bytes, header);
-  const std::size_t points = held.points.size() / header.point_bytes;
+  const std::size_t points = held.points.size() / held.point_bytes;
   std::optional<InputError> fault;
   if (!held.fault.empty()) {
     fault.emplace(file, Place::byte(header.begin), held.fault, kRemedy);
@@ -157,7 +163,7 @@ CloudFile parse_las(const std::filesystem::path& file, std::string_view content,
   std::vector<double> coordinates(3 * points);
   for (std::size_t i = 0; i < points; ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto steps = load<int32_t>(held.points, i * header.point_bytes + 4 * axis);
+      const auto steps = load<int32_t>(held.points, i * held.point_bytes + 4 * axis);
       coordinates[3 * i + axis] = header.scale[axis] * steps + header.offset[axis];
     }
   }
@@ -165,7 +171,7 @@ CloudFile parse_las(const std::filesystem::path& file, std::string_view content,
   columns.points = points;
   columns.time_field = "GPS time";
   columns.reading = reading;
-  columns.reading.coordinate_scale.reset();                     // its header tells it
+  columns.reading.coordinate_scale.reset();                     // its header has it
   columns.reading.time_unit = reading.time_unit.value_or(1.0);  // GPS time is in seconds
   const auto* first = reinterpret_cast<const std::byte*>(coordinates.data());
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -173,9 +179,9 @@ CloudFile parse_las(const std::filesystem::path& file, std::string_view content,
         Column{first, axis * sizeof(double), 3 * sizeof(double), ScalarType::f64, false};
   }
   const std::byte* records = points == 0 ? bytes.data() : held.points.data();
-  columns[FieldRole::intensity] = Column{records, 12, header.point_bytes, ScalarType::u16, false};
+  columns[FieldRole::intensity] = Column{records, 12, held.point_bytes, ScalarType::u16, false};
   if (const std::size_t time = kTimeOffsets[header.format]; time > 0) {
-    columns[FieldRole::time] = Column{records, time, header.point_bytes, ScalarType::f64, false};
+    columns[FieldRole::time] = Column{records, time, held.point_bytes, ScalarType::f64, false};
   }
   CloudFile cloud = decoded(file, columns);
   if (fault) {

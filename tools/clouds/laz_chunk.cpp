@@ -47,49 +47,37 @@ struct LasPoint14 {
   uint64_t time = 0;  ///< bits of a double
 };
 
-template <class T>
-T load_at(const char* from, std::size_t at) {
-  T value;
-  std::memcpy(&value, from + at, sizeof(T));
-  return value;
-}
-
-template <class T>
-void store_at(char* to, std::size_t at, T value) {
-  std::memcpy(to + at, &value, sizeof(T));
-}
-
 LasPoint14 load_point14(const char* from) {
-  const auto returns = load_at<uint8_t>(from, 14);
-  const auto flags = load_at<uint8_t>(from, 15);
-  return {
-      .position = {load_at<int32_t>(from, 0), load_at<int32_t>(from, 4), load_at<int32_t>(from, 8)},
-      .intensity = load_at<uint16_t>(from, 12),
-      .return_number = static_cast<uint8_t>(returns & 15U),
-      .returns = static_cast<uint8_t>(returns >> 4U),
-      .flags = static_cast<uint8_t>((flags & 15U) | ((flags >> 2U) & 48U)),
-      .channel = static_cast<uint8_t>((flags >> 4U) & 3U),
-      .classification = load_at<uint8_t>(from, 16),
-      .user = load_at<uint8_t>(from, 17),
-      .angle = load_at<uint16_t>(from, 18),
-      .source = load_at<uint16_t>(from, 20),
-      .time = load_at<uint64_t>(from, 22)};
+  const auto returns = load_raw<uint8_t>(from, 14);
+  const auto flags = load_raw<uint8_t>(from, 15);
+  return {.position = {load_raw<int32_t>(from, 0), load_raw<int32_t>(from, 4),
+                       load_raw<int32_t>(from, 8)},
+          .intensity = load_raw<uint16_t>(from, 12),
+          .return_number = static_cast<uint8_t>(returns & 15U),
+          .returns = static_cast<uint8_t>(returns >> 4U),
+          .flags = static_cast<uint8_t>((flags & 15U) | ((flags >> 2U) & 48U)),
+          .channel = static_cast<uint8_t>((flags >> 4U) & 3U),
+          .classification = load_raw<uint8_t>(from, 16),
+          .user = load_raw<uint8_t>(from, 17),
+          .angle = load_raw<uint16_t>(from, 18),
+          .source = load_raw<uint16_t>(from, 20),
+          .time = load_raw<uint64_t>(from, 22)};
 }
 
 void store_point14(const LasPoint14& point, char* to) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    store_at(to, 4 * axis, point.position[axis]);
+    store_raw(to, 4 * axis, point.position[axis]);
   }
-  store_at(to, 12, point.intensity);
-  store_at(to, 14, static_cast<uint8_t>(point.return_number | (point.returns << 4U)));
-  store_at(to, 15,
-           static_cast<uint8_t>((point.flags & 15U) | (point.channel << 4U) |
-                                ((point.flags & 48U) << 2U)));
-  store_at(to, 16, point.classification);
-  store_at(to, 17, point.user);
-  store_at(to, 18, point.angle);
-  store_at(to, 20, point.source);
-  store_at(to, 22, point.time);
+  store_raw(to, 12, point.intensity);
+  store_raw(to, 14, static_cast<uint8_t>(point.return_number | (point.returns << 4U)));
+  store_raw(to, 15,
+            static_cast<uint8_t>((point.flags & 15U) | (point.channel << 4U) |
+                                 ((point.flags & 48U) << 2U)));
+  store_raw(to, 16, point.classification);
+  store_raw(to, 17, point.user);
+  store_raw(to, 18, point.angle);
+  store_raw(to, 20, point.source);
+  store_raw(to, 22, point.time);
 }
 
 /// Which of six contexts a return is in, by its number (column) and the number of returns of its
@@ -420,34 +408,30 @@ UnpackedChunk unpack_laz_chunk(std::span<const std::byte> chunk, std::size_t cou
   const std::size_t sizes_at = layout.point_bytes + sizeof(uint32_t);
   std::size_t at = sizes_at + layout.layers * sizeof(uint32_t);
   UnpackedChunk unpacked;
-  if (chunk.size() < at || count == 0) {
+  if (layout.point_bytes < kLas6Bytes || layout.layers < kLayers || chunk.size() < at ||
+      count == 0) {
     return unpacked;
   }
   const char* const bytes = reinterpret_cast<const char*>(chunk.data());
-  unpacked.is_whole = load_at<uint32_t>(bytes, layout.point_bytes) == count;
+  bool is_whole = load_raw<uint32_t>(bytes, layout.point_bytes) == count;
   Point14Codec<ArithmeticDecoder>::Coders coders;
   for (std::size_t layer = 0; layer < kLayers; ++layer) {
-    const std::size_t size = load_at<uint32_t>(bytes, sizes_at + layer * sizeof(uint32_t));
+    const std::size_t size = load_raw<uint32_t>(bytes, sizes_at + layer * sizeof(uint32_t));
     const std::size_t there = std::min(size, chunk.size() - std::min(at, chunk.size()));
-    unpacked.is_whole = unpacked.is_whole && there == size;
+    is_whole = is_whole && there == size;
     if (size > 0 || layer == kReturnsAndPlace) {
       coders[layer].emplace(chunk.subspan(std::min(at, chunk.size()), there));
     }
     at += size;
   }
-  const LasPoint14 first = load_point14(bytes);
-  Point14Codec<ArithmeticDecoder> codec(std::move(coders), first);
-  unpacked.points.assign(count * layout.point_bytes, '\0');
-  std::memcpy(unpacked.points.data(), bytes, layout.point_bytes);
-  for (std::size_t i = 1; i < count; ++i) {
-    store_point14(codec.code({}), unpacked.points.data() + i * layout.point_bytes);
-    if (codec.coders()[kReturnsAndPlace]->is_overrun()) {
-      unpacked.points.resize(i * layout.point_bytes);
-      break;
-    }
+  Point14Codec<ArithmeticDecoder> codec(std::move(coders), load_point14(bytes));
+  unpacked.points.assign(bytes, kLas6Bytes);
+  std::array<char, kLas6Bytes> point{};
+  for (std::size_t i = 1; i < count && !codec.coders()[kReturnsAndPlace]->is_overrun(); ++i) {
+    store_point14(codec.code({}), point.data());
+    unpacked.points.append(point.data(), point.size());
   }
-  unpacked.is_whole = unpacked.is_whole && unpacked.points.size() == count * layout.point_bytes &&
-                      std::ranges::none_of(codec.coders(), [](const auto& coder) {
+  unpacked.is_whole = is_whole && std::ranges::none_of(codec.coders(), [](const auto& coder) {
                         return coder && coder->is_overrun();
                       });
   return unpacked;

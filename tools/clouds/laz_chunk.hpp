@@ -27,12 +27,11 @@ struct LazChunkLayout {
 };
 
 struct UnpackedChunk {
-  std::string points{};   ///< as a LAS file has them; bytes after the first 30 are zero but in the
-                          ///< first point
+  std::string points{};   ///< as a LAS file has them
   bool is_whole = false;  ///< neither cut off nor damaged, as far as it can be seen
 };
 
-/// The first 30 bytes of each of `count` points, which all of formats 6 to 10 begin with.
+/// The first 30 bytes of each of `count` points, which is what formats 6 to 10 have in common.
 UnpackedChunk unpack_laz_chunk(std::span<const std::byte> chunk, std::size_t count,
                                const LazChunkLayout& layout);
 

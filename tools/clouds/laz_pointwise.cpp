@@ -6,12 +6,12 @@
 #include <array>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "adit/tools/clouds/laz_series.hpp"
+#include "adit/tools/support/raw_bytes.hpp"
 
 namespace adit {
 namespace {
@@ -29,18 +29,6 @@ std::vector<SymbolModel> byte_models(std::size_t count) {
   return std::vector<SymbolModel>(count, SymbolModel(256));
 }
 
-template <class T>
-T value_at(const std::string& bytes, std::size_t at) {
-  T value;
-  std::memcpy(&value, bytes.data() + at, sizeof(T));
-  return value;
-}
-
-template <class T>
-void put_value(std::string& bytes, std::size_t at, T value) {
-  std::memcpy(bytes.data() + at, &value, sizeof(T));
-}
-
 /// POINT10.
 class PlainDecoder {
  public:
@@ -51,10 +39,10 @@ class PlainDecoder {
   void next_attributes(ArithmeticDecoder& decoder, std::string& point, uint32_t changes);
   void next_position(ArithmeticDecoder& decoder, std::string& point);
   static std::size_t number_of(const std::string& point) {
-    return value_at<uint8_t>(point, 14) & 7U;
+    return load_raw<uint8_t>(point.data(), 14) & 7U;
   }
   static std::size_t returns_of(const std::string& point) {
-    return (value_at<uint8_t>(point, 14) >> 3U) & 7U;
+    return (load_raw<uint8_t>(point.data(), 14) >> 3U) & 7U;
   }
   static uint32_t context_of(const std::string& point) {
     const char digit = kPulseContexts[returns_of(point)][number_of(point)];
@@ -86,29 +74,30 @@ void PlainDecoder::next(ArithmeticDecoder& decoder, std::string& point) {
 
 void PlainDecoder::next_attributes(ArithmeticDecoder& decoder, std::string& point,
                                    uint32_t changes) {
-  const auto byte = [&](std::size_t at) { return value_at<uint8_t>(point, at); };
+  const auto byte = [&](std::size_t at) { return load_raw<uint8_t>(point.data(), at); };
   if ((changes & 32U) != 0) {
-    put_value(point, 14, static_cast<uint8_t>(decoder.symbol(returns_[byte(14)])));
+    store_raw(point.data(), 14, static_cast<uint8_t>(decoder.symbol(returns_[byte(14)])));
   }
   const uint32_t context = context_of(point);
   if ((changes & 16U) != 0) {
     intensities_[context] = static_cast<uint16_t>(
         intensity_.code(decoder, intensities_[context], 0, std::min(context, 3U)));
   }
-  put_value(point, 12, intensities_[context]);
+  store_raw(point.data(), 12, intensities_[context]);
   if ((changes & 8U) != 0) {
-    put_value(point, 15, static_cast<uint8_t>(decoder.symbol(classification_[byte(15)])));
+    store_raw(point.data(), 15, static_cast<uint8_t>(decoder.symbol(classification_[byte(15)])));
   }
   if ((changes & 4U) != 0) {
     const uint32_t step = decoder.symbol(angle_[(byte(14) >> 6U) & 1U]);
-    put_value(point, 16, static_cast<uint8_t>(byte(16) + step));
+    store_raw(point.data(), 16, static_cast<uint8_t>(byte(16) + step));
   }
   if ((changes & 2U) != 0) {
-    put_value(point, 17, static_cast<uint8_t>(decoder.symbol(user_[byte(17)])));
+    store_raw(point.data(), 17, static_cast<uint8_t>(decoder.symbol(user_[byte(17)])));
   }
   if ((changes & 1U) != 0) {
-    put_value(point, 18,
-              static_cast<uint16_t>(source_.code(decoder, value_at<uint16_t>(point, 18), 0, 0)));
+    store_raw(
+        point.data(), 18,
+        static_cast<uint16_t>(source_.code(decoder, load_raw<uint16_t>(point.data(), 18), 0, 0)));
   }
 }
 
@@ -119,8 +108,8 @@ void PlainDecoder::next_position(ArithmeticDecoder& decoder, std::string& point)
     RunningMedian& median = steps_[axis][context];
     const int32_t difference = model.code(decoder, median.value(), 0, model_context);
     median.add(difference);
-    put_value(point, 4 * axis,
-              value_at<uint32_t>(point, 4 * axis) + static_cast<uint32_t>(difference));
+    store_raw(point.data(), 4 * axis,
+              load_raw<uint32_t>(point.data(), 4 * axis) + static_cast<uint32_t>(difference));
   };
   step(0, x_, single);
   step(1, y_, single + std::min(x_.width() & ~1U, 20U));
@@ -128,7 +117,7 @@ void PlainDecoder::next_position(ArithmeticDecoder& decoder, std::string& point)
       std::abs(static_cast<int>(returns_of(point)) - static_cast<int>(number_of(point))));
   const uint32_t width = ((x_.width() + y_.width()) / 2) & ~1U;
   heights_[level] = z_.code(decoder, heights_[level], 0, single + std::min(width, 18U));
-  put_value(point, 8, heights_[level]);
+  store_raw(point.data(), 8, heights_[level]);
 }
 
 /// RGB12: each byte by what the others of its pixel have changed by.
@@ -145,7 +134,7 @@ void ColorDecoder::next(ArithmeticDecoder& decoder, std::string& point, std::siz
   const uint32_t changes = decoder.symbol(used_);
   std::array<int, 6> last{};  // lower and upper byte of red, green and blue
   for (std::size_t i = 0; i < last.size(); ++i) {
-    last[i] = value_at<uint8_t>(point, at + i);
+    last[i] = load_raw<uint8_t>(point.data(), at + i);
   }
   std::array<int, 6> now = last;
   const auto take = [&](std::size_t i, int predicted) {
@@ -167,7 +156,7 @@ void ColorDecoder::next(ArithmeticDecoder& decoder, std::string& point, std::siz
     }
   }
   for (std::size_t i = 0; i < now.size(); ++i) {
-    put_value(point, at + i, static_cast<uint8_t>(now[i]));
+    store_raw(point.data(), at + i, static_cast<uint8_t>(now[i]));
   }
 }
 
@@ -186,23 +175,24 @@ UnpackedChunk unpack_pointwise_chunk(std::span<const std::byte> chunk, std::size
   unpacked.points = point;
   ArithmeticDecoder decoder(chunk.subspan(point_bytes));
   PlainDecoder plain;
-  PulseTimes times(layout.has_time ? value_at<uint64_t>(point, kPlainBytes) : 0,
+  PulseTimes times(layout.has_time ? load_raw<uint64_t>(point.data(), kPlainBytes) : 0,
                    PulseTimes::unchanged_is_coded);
   ColorDecoder color;
   std::vector<SymbolModel> extra = byte_models(layout.extra_bytes);
-  put_value(point, 12, uint16_t{0});  // intensities are coded by what was coded before
+  store_raw(point.data(), 12, uint16_t{0});  // intensities are coded by what was coded before
   for (std::size_t i = 1; i < count && !decoder.is_overrun(); ++i) {
     plain.next(decoder, point);
     if (layout.has_time) {
-      put_value(point, kPlainBytes, times.code(decoder, 0));
+      store_raw(point.data(), kPlainBytes, times.code(decoder, 0));
     }
     if (layout.has_color) {
       color.next(decoder, point, color_at);
     }
     for (std::size_t byte = 0; byte < layout.extra_bytes; ++byte) {
       const std::size_t at = extra_at + byte;
-      put_value(point, at,
-                static_cast<uint8_t>(value_at<uint8_t>(point, at) + decoder.symbol(extra[byte])));
+      store_raw(
+          point.data(), at,
+          static_cast<uint8_t>(load_raw<uint8_t>(point.data(), at) + decoder.symbol(extra[byte])));
     }
     unpacked.points += point;
   }

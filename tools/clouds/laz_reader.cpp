@@ -3,8 +3,10 @@
 #include "adit/tools/clouds/laz_reader.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <functional>
+#include <new>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -20,10 +22,12 @@
 namespace adit {
 namespace {
 
+// Of files that were written in one go: where the table is, they say at their end.
+constexpr uint64_t kTableAtTheEnd = ~uint64_t{0};
 constexpr std::size_t kRecordHeader = 54;
-// A return differs from the one before it in time or place, which needs bits: files of more points
-// a byte hold no measurements, and would fill the memory of whoever reads them.
-constexpr uint64_t kMostPointsPerByte = 64;
+// The coder spends 1 / 1100 byte on a point at least, of points that all are alike: its models
+// leave so much for other symbols. What promises more is damaged, or is to fill the memory.
+constexpr uint64_t kMostPointsPerByte = 2048;
 
 template <class T>
 std::optional<T> load_within(std::span<const std::byte> bytes, uint64_t at) {
@@ -75,24 +79,7 @@ std::optional<LazFormat> laz_format_of(std::span<const std::byte> records) {
   return format.items.size() == items ? std::make_optional(format) : std::nullopt;
 }
 
-/// Formats 0 to 3 as LASzip 2 packs them.
-std::optional<PointwiseLayout> pointwise_layout_of(const LazFormat& format) {
-  PointwiseLayout layout;
-  for (std::size_t i = 0; i < format.items.size(); ++i) {
-    const LazItem& item = format.items[i];
-    const bool is_known = item.version == 2 && (item.kind == LazItemKind::point10) == (i == 0);
-    if (!is_known || (item.kind != LazItemKind::point10 && item.kind != LazItemKind::time11 &&
-                      item.kind != LazItemKind::color12 && item.kind != LazItemKind::bytes)) {
-      return std::nullopt;
-    }
-    layout.has_time = layout.has_time || item.kind == LazItemKind::time11;
-    layout.has_color = layout.has_color || item.kind == LazItemKind::color12;
-    layout.extra_bytes += item.kind == LazItemKind::bytes ? item.bytes : 0;
-  }
-  return layout;
-}
-
-/// Layers of an item of LAS 1.4; 0: it is none.
+/// Layers of an item of LAS 1.4.
 std::size_t layers_of(const LazItem& item) {
   switch (item.kind) {
     case LazItemKind::point14:
@@ -102,11 +89,66 @@ std::size_t layers_of(const LazItem& item) {
       return 1;
     case LazItemKind::color_nir14:
       return 2;
-    case LazItemKind::bytes14:
-      return item.bytes;
     default:
-      return 0;
+      return item.bytes;  // extra bytes: one each
   }
+}
+
+/// The items of a point format; extra bytes may follow.
+std::vector<LazItem> items_of(std::size_t format) {
+  constexpr LazItem kPoint10{LazItemKind::point10, 20, 2};
+  constexpr LazItem kTime{LazItemKind::time11, 8, 2};
+  constexpr LazItem kColor{LazItemKind::color12, 6, 2};
+  constexpr LazItem kPoint14{LazItemKind::point14, kLas6Bytes, 3};
+  constexpr LazItem kColor14{LazItemKind::color14, 6, 3};
+  constexpr LazItem kColorNir{LazItemKind::color_nir14, 8, 3};
+  constexpr LazItem kWave{LazItemKind::wave14, 29, 3};
+  const std::array<std::vector<LazItem>, 11> items = {{{kPoint10},
+                                                       {kPoint10, kTime},
+                                                       {kPoint10, kColor},
+                                                       {kPoint10, kTime, kColor},
+                                                       {},
+                                                       {},
+                                                       {kPoint14},
+                                                       {kPoint14, kColor14},
+                                                       {kPoint14, kColorNir},
+                                                       {kPoint14, kWave},
+                                                       {kPoint14, kColorNir, kWave}}};
+  return items.at(format);
+}
+
+/// How the chunks of a file are packed; version 4 of an item differs in what is not read.
+struct LazLayout {
+  bool layered = false;
+  LazChunkLayout layers{};
+  PointwiseLayout pointwise{};
+};
+
+std::optional<LazLayout> layout_of(const LazFormat& format, const LazSource& source) {
+  const std::vector<LazItem> items = items_of(source.format);
+  const bool layered = format.compressor == kLayeredChunks;
+  if (items.empty() || layered != (items.front().kind == LazItemKind::point14) ||
+      (!layered && format.compressor != kPointwiseChunks) || format.items.size() < items.size() ||
+      format.items.size() > items.size() + 1) {
+    return std::nullopt;
+  }
+  LazLayout layout{.layered = layered, .layers = {.point_bytes = source.point_bytes, .layers = 0}};
+  std::size_t bytes = 0;
+  for (std::size_t i = 0; i < format.items.size(); ++i) {
+    const LazItem& item = format.items[i];
+    const bool is_extra = i == items.size();
+    const bool same = is_extra ? item.kind == (layered ? LazItemKind::bytes14 : LazItemKind::bytes)
+                               : item.kind == items[i].kind && item.bytes == items[i].bytes;
+    if (!same || (item.version != (layered ? 3 : 2) && !(layered && item.version == 4))) {
+      return std::nullopt;
+    }
+    bytes += item.bytes;
+    layout.layers.layers += layers_of(item);
+    layout.pointwise.has_time = layout.pointwise.has_time || item.kind == LazItemKind::time11;
+    layout.pointwise.has_color = layout.pointwise.has_color || item.kind == LazItemKind::color12;
+    layout.pointwise.extra_bytes = is_extra ? item.bytes : 0;
+  }
+  return bytes == source.point_bytes ? std::make_optional(layout) : std::nullopt;
 }
 
 /// Where chunks are that say their sizes themselves, as far as they are whole.
@@ -135,7 +177,10 @@ std::vector<LazChunk> layered_chunks(std::span<const std::byte> file, const LazS
 /// Where chunks are by the table, as far as they are whole.
 std::vector<LazChunk> chunks_of_table(std::span<const std::byte> file, const LazSource& source,
                                       uint32_t chunk_points) {
-  const uint64_t table = load_within<uint64_t>(file, source.begin).value_or(0);
+  uint64_t table = load_within<uint64_t>(file, source.begin).value_or(0);
+  if (table == kTableAtTheEnd && file.size() > sizeof(table)) {
+    table = *load_within<uint64_t>(file, file.size() - sizeof(table));
+  }
   const auto count = load_within<uint32_t>(file, table + 4);
   if (table < source.begin + sizeof(uint64_t) || table > file.size() || !count) {
     return {};
@@ -167,29 +212,39 @@ std::vector<LazChunk> chunks_of_table(std::span<const std::byte> file, const Laz
 
 using Unpack = std::function<UnpackedChunk(const LazChunk&)>;
 
-/// The points of all chunks up to the first that is damaged.
-LazPoints unpack_chunks(const std::vector<LazChunk>& chunks, const LazSource& source,
-                        const Unpack& unpack) {
-  LazPoints unpacked;
-  const std::size_t together = parallel_pieces();
+/// Some chunks at the same time. One that the memory has no room for is not whole.
+std::vector<UnpackedChunk> unpack_some(std::span<const LazChunk> chunks, const Unpack& unpack) {
+  std::vector<UnpackedChunk> parts(chunks.size());
+  in_parallel(parts.size(), 1, [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) {
+      try {
+        parts[i] = unpack(chunks[i]);
+      } catch (const std::bad_alloc&) {
+        parts[i] = {};
+      }
+    }
+  });
+  return parts;
+}
+
+/// The points of all chunks up to the first that is damaged, `point_bytes` each.
+LazPoints unpack_chunks(const std::vector<LazChunk>& chunks, uint64_t promised,
+                        std::size_t point_bytes, const Unpack& unpack) {
+  LazPoints unpacked{.point_bytes = point_bytes};
+  const std::size_t together = 8 * parallel_pieces();
   bool whole = true;
   for (std::size_t begin = 0; begin < chunks.size() && whole; begin += together) {
-    std::vector<UnpackedChunk> parts(std::min(together, chunks.size() - begin));
-    in_parallel(parts.size(), 1, [&](std::size_t from, std::size_t to) {
-      for (std::size_t i = from; i < to; ++i) {
-        parts[i] = unpack(chunks[begin + i]);
-      }
-    });
-    for (UnpackedChunk& part : parts) {
+    const std::size_t some = std::min(together, chunks.size() - begin);
+    for (const UnpackedChunk& part : unpack_some(std::span(chunks).subspan(begin, some), unpack)) {
       if (whole = whole && part.is_whole; whole) {
         unpacked.bytes += part.points;
       }
     }
   }
-  const uint64_t there = unpacked.bytes.size() / source.point_bytes;
-  if (there != source.points) {
+  const uint64_t there = unpacked.bytes.size() / point_bytes;
+  if (there != promised) {
     unpacked.fault = fmt::format("the header promises {} packed points; {} can be unpacked{}",
-                                 source.points, there, there > 0 ? ", which are read" : "");
+                                 promised, there, there > 0 ? ", which are read" : "");
   }
   return unpacked;
 }
@@ -201,39 +256,26 @@ LazPoints unpack_laz(std::span<const std::byte> file, const LazSource& source) {
   if (!format) {
     return {.fault = "its points are packed, and no whole record says how"};
   }
-  std::size_t bytes = 0;
-  for (const LazItem& item : format->items) {
-    bytes += item.bytes;
+  const std::optional<LazLayout> layout = layout_of(*format, source);
+  if (!layout) {
+    return {.fault =
+                "its points are packed in a way that is not known: by LASzip 1, with the "
+                "waveforms of formats 4 and 5, or not as their format has them"};
   }
-  if (bytes != source.point_bytes) {
-    return {.fault = fmt::format("its packed points have {} bytes, the header says {}", bytes,
-                                 source.point_bytes)};
-  }
-  const auto unpack_each = [&](const std::vector<LazChunk>& chunks, const auto& unpack) {
-    return unpack_chunks(chunks, source, [&](const LazChunk& chunk) {
-      return unpack(file.subspan(chunk.begin, chunk.bytes), chunk.points);
-    });
+  const auto bytes_of = [&](const LazChunk& chunk) {
+    return file.subspan(chunk.begin, chunk.bytes);
   };
-  if (format->compressor == kLayeredChunks && format->items.front().kind == LazItemKind::point14) {
-    LazChunkLayout layout{.point_bytes = source.point_bytes, .layers = 0};
-    for (const LazItem& item : format->items) {
-      layout.layers += layers_of(item);
-    }
-    return unpack_each(layered_chunks(file, source, layout),
-                       [&](std::span<const std::byte> chunk, uint64_t points) {
-                         return unpack_laz_chunk(chunk, points, layout);
-                       });
+  if (layout->layered) {
+    return unpack_chunks(layered_chunks(file, source, layout->layers), source.points, kLas6Bytes,
+                         [&](const LazChunk& chunk) {
+                           return unpack_laz_chunk(bytes_of(chunk), chunk.points, layout->layers);
+                         });
   }
-  const std::optional<PointwiseLayout> layout = pointwise_layout_of(*format);
-  if (format->compressor == kPointwiseChunks && layout) {
-    return unpack_each(chunks_of_table(file, source, format->chunk_points),
-                       [&](std::span<const std::byte> chunk, uint64_t points) {
-                         return unpack_pointwise_chunk(chunk, points, *layout);
+  return unpack_chunks(chunks_of_table(file, source, format->chunk_points), source.points,
+                       source.point_bytes, [&](const LazChunk& chunk) {
+                         return unpack_pointwise_chunk(bytes_of(chunk), chunk.points,
+                                                       layout->pointwise);
                        });
-  }
-  return {.fault =
-              "its points are packed in a way that is not known: by LASzip 1, or with "
-              "waveforms"};
 }
 
 }  // namespace adit

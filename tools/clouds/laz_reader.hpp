@@ -13,13 +13,15 @@ namespace adit {
 struct LazSource {
   uint64_t begin = 0;  ///< byte of the points
   uint64_t points = 0;
+  std::size_t format = 0;  ///< of a point, 0 to 10
   std::size_t point_bytes = 0;
   std::span<const std::byte> records{};  ///< all variable length records
 };
 
 struct LazPoints {
-  std::string bytes{};  ///< of whole points, as a LAS file has them up to their GPS time
-  std::string fault{};  ///< what is damaged; empty: nothing
+  std::string bytes{};          ///< of whole points, as a LAS file has them
+  std::size_t point_bytes = 1;  ///< of each: of formats 6 to 10 the first 30 alone
+  std::string fault{};          ///< what is damaged; empty: nothing
 };
 
 /// The points of a LAZ file, unpacked on all processors, of all whole chunks in order. Where there

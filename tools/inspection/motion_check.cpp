@@ -19,6 +19,7 @@ namespace adit {
 namespace {
 
 constexpr double kMostOffset = 0.5;             // s
+constexpr double kSameDuration = 0.01;          // s: other sweeps lack a part, and its mean
 constexpr double kHarmlessOffset = 0.02;        // s: what distorted sweeps can feign
 constexpr double kHarmlessMisalignment = 0.09;  // rad, 5 degrees
 
@@ -69,6 +70,7 @@ std::vector<RotationInterval> rotations_of(const Recording& recording,
   std::vector<double> intervals;
   ClockShift shift;
   std::optional<StampedPose> last;  // tracked
+  double last_duration = 0.0;       // s, of the sweep before
   std::optional<Nanoseconds> last_stamp;
   const EventSelection selection{.topics = {check.pair.sweep_topic},
                                  .begin = check.pair.stretch.begin,
@@ -88,8 +90,8 @@ std::vector<RotationInterval> rotations_of(const Recording& recording,
     check.point_times = check.point_times || duration > 0.0;
     const SweepResult result = place(sweep);
     check.mapped.push_back(sweep_record(check.mapped.size(), result));
-    // What a sweep's alignment measures is its mean attitude; its pose is that less what de-skewing
-    // assumed.
+    // An alignment measures the mean attitude of a sweep. De-skewing assumed a turn from the pose
+    // to that mean.
     StampedPose pose{sweep.stamp, result.T_map_lidar};
     pose.pose.linear() = result.T_map_lidar.linear() * so3_exp(result.deskewed_turn);
     if (result.state != OdometryState::tracking) {
@@ -97,7 +99,9 @@ std::vector<RotationInterval> rotations_of(const Recording& recording,
       return;
     }
     ++check.tracked;
-    if (last && last->stamp < pose.stamp) {
+    const bool alike = std::abs(duration - last_duration) < kSameDuration;
+    last_duration = duration;
+    if (last && last->stamp < pose.stamp && alike) {
       rotations.push_back(
           {.begin = last->stamp,
            .end = pose.stamp,

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -18,9 +19,15 @@ namespace adit {
 
 ScratchFile::ScratchFile(std::filesystem::path beside) : beside_(std::move(beside)) {
   std::string name = beside_.string() + ".XXXXXX";
-  file_ = mkostemp(name.data(), 0);
-  if (file_ < 0 || unlink(name.c_str()) != 0) {
+  file_ = mkostemp(name.data(), O_CLOEXEC);
+  if (file_ < 0) {
     fail("made");
+  }
+  if (unlink(name.c_str()) != 0) {
+    const int reason = errno;
+    ::close(file_);
+    errno = reason;
+    fail("made nameless");
   }
 }
 

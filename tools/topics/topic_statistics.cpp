@@ -36,7 +36,8 @@ void take(TopicStatistics& topic, const Sweep& sweep, Nanoseconds) {
   s.offset = sweep.offset;
   s.with_times += sweep.times.empty() ? 0U : 1U;
   if (!sweep.times.empty() && returns > 0) {
-    s.duration.add(static_cast<double>(*std::ranges::max_element(sweep.times)));
+    const auto [first, last] = std::ranges::minmax(sweep.times);
+    s.duration.add(static_cast<double>(last - first));
   }
 }
 
