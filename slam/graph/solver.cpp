@@ -132,13 +132,13 @@ class WorldPrior final : public ceres::SizedCostFunction<6, kBlock> {
   WorldPrior(const Eigen::Isometry3d& start, bool upright) : start_(start), upright_(upright) {}
 
   bool Evaluate(const double* const* blocks, double* residual, double** jacobians) const override {
-    constexpr double kPosition = 1e-4;  // 1/m: ten kilometres count as one
-    constexpr double kRotation = 1e-2;  // 1/rad
-    constexpr double kTilt = 10.0;      // 1/rad: ten times what rough gravity is off by
+    constexpr double kPosition = 1e-4;     // 1/m: ten kilometres count as one
+    constexpr double kRotation = 1e-2;     // 1/rad
+    constexpr double kUprightRoot = 10.0;  // 1/rad: ten times what rough gravity is off by
     Vector6d root;
     root << Eigen::Vector3d::Constant(kPosition), Eigen::Vector3d::Constant(kRotation);
     if (upright_) {
-      root.segment<2>(3).setConstant(kTilt);
+      root.segment<2>(3).setConstant(kUprightRoot);
     }
     const Eigen::Isometry3d moved = start_.inverse() * to_pose(blocks[0]);
     const BetweenResidual between = between_residual(moved, ResidualConvention::rotation);
