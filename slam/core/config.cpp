@@ -233,6 +233,11 @@ void check_gnss(Checks& checks, const GnssConfig& gnss) {
   checks.between("gnss.noise_scale", gnss.noise_scale, 0.1, 1000.0);
   checks.between("gnss.correlation", gnss.correlation, 0.1, 3600.0, "s");
   checks.between("gnss.time_offset", gnss.time_offset, -4e9, 4e9, "s");
+  if (gnss.heading_mounting) {
+    checks.between("gnss.heading_mounting", *gnss.heading_mounting, -7.0, 7.0, "rad");
+  }
+  checks.between("gnss.heading_sigma", gnss.heading_sigma, 1e-4, 1.0, "rad");
+  checks.between("gnss.heading_offset", gnss.heading_offset, 1e-4, 1.0, "rad");
 }
 
 void check_velocity(Checks& checks, const VelocityConfig& velocity) {

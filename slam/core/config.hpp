@@ -197,6 +197,10 @@ struct GnssConfig {
   double noise_scale = 1.0;
   double correlation = 60.0;  ///< s
   double time_offset = 0.0;   ///< s
+  bool heading = true;
+  std::optional<double> heading_mounting{};  ///< rad
+  double heading_sigma = 0.035;              ///< rad: 2 degrees, as compasses' data sheets have it
+  double heading_offset = 0.0175;            ///< rad: 1 degree
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -215,6 +219,18 @@ struct GnssConfig {
           "as about one");
     field("time_offset", self.time_offset, "s",
           "is added to the stamps of fixes, of a receiver that reports late or by another clock");
+    field(
+        "heading", self.heading, "",
+        "true: headings of recording.heading_topic count together with the fixes; false: they are "
+        "left alone");
+    field("heading_mounting", self.heading_mounting, "rad",
+          "yaw of the heading sensor's x axis in the lidar's axes, counter-clockwise; where it is "
+          "not given, the recording's static transforms tell it, or else it is 0");
+    field("heading_sigma", self.heading_sigma, "rad",
+          "standard deviation of a heading that comes without one");
+    field("heading_offset", self.heading_offset, "rad",
+          "standard deviation of the error that all headings have in common: of the mounting, and "
+          "of a compass's declination");
   }
 };
 

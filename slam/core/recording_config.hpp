@@ -19,6 +19,7 @@ struct RecordingConfig {
   std::optional<std::string> gnss_topic{};
   std::optional<std::string> velocity_topic{};
   bool velocity_of_poses = false;
+  std::optional<std::string> heading_topic{};
   std::optional<std::string> sweep_frame{};
   std::optional<std::string> imu_frame{};
   std::optional<std::string> metadata{};
@@ -54,6 +55,10 @@ struct RecordingConfig {
           "velocities; not given: none is used, since such messages may be commands");
     field("velocity_of_poses", self.velocity_of_poses, "",
           "true: of Odometry on velocity_topic the poses give velocities, not the twist");
+    field("heading_topic", self.heading_topic, "",
+          "the topic of headings against true north (two antennas, a compass): QuaternionStamped, "
+          "NMEA sentences, or the orientation of an Imu that knows north; not given: none is used, "
+          "since an orientation seldom says what it is measured against");
     field("sweep_frame", self.sweep_frame, "",
           "the frame of the sensor to map, where several publish sweeps on one topic; not given: "
           "the one with most messages at the start");

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -109,6 +110,21 @@ struct BodyVelocity {
   std::optional<Eigen::Matrix3d> covariance{};       ///< (m/s)²; none: the source gives none
   std::string frame{};  ///< whose velocity it is, and in whose axes; empty: the source names none
 };
+
+/// Which way the x axis of a sensor points in the level, measured against the Earth: two antennas,
+/// a compass, an inertial system.
+struct Heading {
+  Nanoseconds stamp{0};           ///< when it was measured
+  double yaw = 0.0;               ///< rad, counter-clockwise from true east
+  std::optional<double> sigma{};  ///< rad; none: the source gives none
+  std::string frame{};            ///< whose x axis it is; empty: the source names none
+};
+
+/// A bearing (rad, clockwise from north) as a yaw counter-clockwise from east, and back: within
+/// half a turn of 0.
+inline double yaw_of_bearing(double bearing) {
+  return std::remainder(0.5 * std::numbers::pi - bearing, 2.0 * std::numbers::pi);
+}
 
 /// A pose that somebody else determined: T_parent_child maps child coordinates to the parent frame.
 struct ReferencePose {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -37,6 +38,9 @@ std::optional<Measurement> MeasurementGate::pass(Measurement measurement) {
     return std::nullopt;
   } else if (auto* velocity = std::get_if<BodyVelocity>(&measurement);
              velocity != nullptr && !mend(*velocity)) {
+    return std::nullopt;
+  } else if (auto* heading = std::get_if<Heading>(&measurement);
+             heading != nullptr && !mend(*heading)) {
     return std::nullopt;
   }
   return measurement;
@@ -104,6 +108,21 @@ bool MeasurementGate::mend(BodyVelocity& velocity) {
   if (velocity.covariance && !is_covariance_of(*velocity.covariance)) {
     velocity.covariance.reset();
     ++faults_.velocities_without_covariance;
+  }
+  return true;
+}
+
+// False: it says nothing.
+bool MeasurementGate::mend(Heading& heading) {
+  ++faults_.headings;
+  if (!std::isfinite(heading.yaw)) {
+    ++faults_.headings_left_out;
+    return false;
+  }
+  heading.yaw = std::remainder(heading.yaw, 2.0 * std::numbers::pi);
+  if (heading.sigma && !(std::isfinite(*heading.sigma) && *heading.sigma > 0.0)) {
+    heading.sigma.reset();
+    ++faults_.headings_without_sigma;
   }
   return true;
 }

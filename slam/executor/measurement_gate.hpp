@@ -18,14 +18,18 @@ struct MeasurementFaults {
   std::size_t velocities = 0;                     ///< measured velocities that were added
   std::size_t velocities_left_out = 0;            ///< infinite, or not measured on any axis
   std::size_t velocities_without_covariance = 0;  ///< covariance that none can be: not used
-  std::size_t intensities = 0;  ///< points whose intensity is not finite: 0 instead
-  std::size_t times = 0;        ///< points whose time no sweep has: they have none
-  std::size_t transforms = 0;   ///< static transforms that are not finite: left out
+  std::size_t headings = 0;                       ///< measured headings that were added
+  std::size_t headings_left_out = 0;              ///< not finite
+  std::size_t headings_without_sigma = 0;  ///< deviation not finite or not positive: not used
+  std::size_t intensities = 0;             ///< points whose intensity is not finite: 0 instead
+  std::size_t times = 0;                   ///< points whose time no sweep has: they have none
+  std::size_t transforms = 0;              ///< static transforms that are not finite: left out
 
   /// There is a fault at all.
   bool any() const {
     return fixes_left_out + fixes_without_height + fixes_without_covariance + velocities_left_out +
-               velocities_without_covariance + intensities + times + transforms >
+               velocities_without_covariance + headings_left_out + headings_without_sigma +
+               intensities + times + transforms >
            0;
   }
 };
@@ -46,6 +50,7 @@ class MeasurementGate {
   void mend(Sweep& sweep);
   bool mend(GnssFix& fix);
   bool mend(BodyVelocity& velocity);
+  bool mend(Heading& heading);
 
   MeasurementFaults faults_;
   double last_altitude_ = 0.0;  ///< m, of the last fix that had one

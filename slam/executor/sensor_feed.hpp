@@ -14,7 +14,7 @@
 namespace adit {
 
 /// What sensors measure, as it enters the system.
-using Measurement = std::variant<Sweep, ImuSample, GnssFix, BodyVelocity>;
+using Measurement = std::variant<Sweep, ImuSample, GnssFix, BodyVelocity, Heading>;
 
 /// The measurement's own time; of a sweep that of its start.
 Nanoseconds stamp_of(const Measurement& measurement);

@@ -15,6 +15,8 @@
 #include <variant>
 #include <vector>
 
+#include "adit/slam/executor/receiver_mounts.hpp"
+#include "adit/slam/executor/waits.hpp"
 #include "adit/slam/executor/worker.hpp"
 #include "adit/slam/inertial/doppler_velocity.hpp"
 
@@ -25,33 +27,6 @@ namespace {
 // their down-sampled clouds.
 constexpr std::size_t kMostWithPoints = 64;
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// Of sweeps and fixes for the map while they come, s.
-struct Waits {
-  double sum = 0.0;
-  double longest = 0.0;
-};
-
-/// A wait as long as its life.
-class Waiting {
- public:
-  explicit Waiting(Waits& waits) : waits_(waits) {}
-  ~Waiting() {
-    const double wait = seconds_since(start_);
-    waits_.sum += wait;
-    waits_.longest = std::max(waits_.longest, wait);
-  }
-  Waiting(const Waiting&) = delete;
-  Waiting& operator=(const Waiting&) = delete;
-
- private:
-  Waits& waits_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 /// The map takes up a sweep once the odometry is done with it, in a thread of its own, while the
 /// odometry goes on with the next ones, at most SlamOptions::most_behind of them. next()
 /// returns a sweep once it is in the map. The odometry takes nothing from the map, so that results
@@ -61,6 +36,7 @@ class OfflineSlam final : public Slam {
   OfflineSlam(engine::Context& context, const Config& config, const SlamOptions& options)
       : configured_(config.imu.T_imu_lidar),
         gnss_(config.gnss),
+        mounts_(config.gnss),
         velocity_(config.velocity),
         inertial_(options.inertial && config.imu.use),
         feed_(inertial_, nanoseconds(config.imu.wait)),
@@ -81,9 +57,13 @@ class OfflineSlam final : public Slam {
 
   void add(Measurement measurement, std::string_view frame) override {
     std::string& named = frames_[measurement.index()];
-    const auto* of_frame = std::get_if<BodyVelocity>(&measurement);
+    const auto* velocity_of = std::get_if<BodyVelocity>(&measurement);
+    const auto* heading_of = std::get_if<Heading>(&measurement);
     if (named.empty()) {
-      named = of_frame != nullptr && !of_frame->frame.empty() ? of_frame->frame : frame;
+      named = velocity_of != nullptr  ? velocity_of->frame
+              : heading_of != nullptr ? heading_of->frame
+                                      : "";
+      named = named.empty() ? std::string(frame) : named;
     }
     has_readings_ = has_readings_ || std::holds_alternative<ImuSample>(measurement);
     if (auto* fix = std::get_if<GnssFix>(&measurement)) {
@@ -91,6 +71,10 @@ class OfflineSlam final : public Slam {
         return;
       }
       fix->stamp += nanoseconds(gnss_.time_offset);
+    }
+    const bool heads = map_ != nullptr && gnss_.use && gnss_.heading;
+    if (heading_of != nullptr && !heads) {
+      return;
     }
     if (auto* velocity = std::get_if<BodyVelocity>(&measurement)) {
       if (!inertial_ || !velocity_.use) {
@@ -171,6 +155,7 @@ class OfflineSlam final : public Slam {
     mapper_->finish();
     MapReport report = mapper_->report();
     report.gnss.left_out = gate_.faults().fixes_left_out;
+    report.gnss.heading.left_out = gate_.faults().headings_left_out;
     report.waited_s = waits_.sum;
     report.longest_wait_s = waits_.longest;
     return report;
@@ -192,6 +177,14 @@ class OfflineSlam final : public Slam {
     std::vector<Point> cloud;  ///< down-sampled, lidar axes
     std::shared_future<MapPlacement> mapped;
   };
+  /// A measurement with where its sensor sits, or which way it points, in the lidar's axes.
+  template <class Kind>
+  struct Mounted {
+    Kind measured;
+    Eigen::Vector3d mounting;
+  };
+  /// What the map takes besides sweeps.
+  using ForMap = std::variant<Mounted<GnssFix>, Mounted<Heading>>;
   using Result = std::variant<SlamResult, std::unique_ptr<InMap>, std::exception_ptr>;
 
   template <class Kind>
@@ -256,8 +249,10 @@ class OfflineSlam final : public Slam {
       take(*reading);
     } else if (const auto* velocity = std::get_if<BodyVelocity>(&due)) {
       odometry_.add(*velocity, VelocitySource::sensor);
+    } else if (const auto* heading = std::get_if<Heading>(&due)) {
+      take_for_map(Mounted<Heading>{*heading, heading_axis()});
     } else {
-      take(std::get<GnssFix>(due));
+      take_for_map(Mounted<GnssFix>{std::get<GnssFix>(due), antenna()});
     }
   }
 
@@ -269,36 +264,39 @@ class OfflineSlam final : public Slam {
     }
   }
 
-  void take(const GnssFix& fix) {
+  void take_for_map(const ForMap& measured) {
     if (!mapper_) {
-      before_map_fixes_.push_back(fix);
+      before_map_measured_.push_back(measured);
       return;
     }
-    last_fix_ = worker_.run([this, fix, p = antenna()] { map_fix(fix, p); });
+    last_fix_ = worker_.run([this, measured] { map_fix(measured); });
   }
 
   /// The worker's.
-  void map_fix(const GnssFix& fix, const Eigen::Vector3d& p_lidar_antenna) {
+  void map_fix(const ForMap& measured) {
     if (map_error_) {
       return;
     }
     try {
-      mapper_->add(fix, p_lidar_antenna);
+      std::visit([this](const auto& one) { mapper_->add(one.measured, one.mounting); }, measured);
     } catch (...) {
       map_error_ = std::current_exception();  // the next sweep's, or finish_map()'s
     }
   }
 
-  /// Looked for until it is found: its transform may arrive after the first fix.
+  /// T_lidar_sensor, by the static transforms that have arrived.
+  template <class Kind>
+  std::optional<Eigen::Isometry3d> mounted() const {
+    const std::string& sensor = frame_of<Kind>();
+    const std::string& lidar = frame_of<Sweep>();
+    return sensor.empty() || lidar.empty() ? std::nullopt : transforms_.transform(lidar, sensor);
+  }
+
   Eigen::Vector3d antenna() {
-    if (!p_lidar_antenna_ && gnss_.antenna) {
-      p_lidar_antenna_ = Eigen::Vector3d(gnss_.antenna->data());
-    } else if (!p_lidar_antenna_ && !frame_of<GnssFix>().empty() && !frame_of<Sweep>().empty()) {
-      if (const auto T = transforms_.transform(frame_of<Sweep>(), frame_of<GnssFix>())) {
-        p_lidar_antenna_ = Eigen::Vector3d(T->translation());
-      }
-    }
-    return p_lidar_antenna_.value_or(Eigen::Vector3d::Zero());
+    return mounts_.antenna([this] { return mounted<GnssFix>(); });
+  }
+  Eigen::Vector3d heading_axis() {
+    return mounts_.heading_axis([this] { return mounted<Heading>(); });
   }
 
   /// The frame of a sensor is known once one of its measurements has arrived.
@@ -318,12 +316,10 @@ class OfflineSlam final : public Slam {
 
   /// Until its transform has arrived, the settings' mounting stands, or the lidar's axes.
   void look_up_velocity_mounting() {
-    const std::string& sensor = frame_of<BodyVelocity>();
-    const std::string& lidar = frame_of<Sweep>();
-    if (velocity_.T_lidar_sensor || velocity_is_mounted_ || sensor.empty() || lidar.empty()) {
+    if (velocity_.T_lidar_sensor || velocity_is_mounted_) {
       return;
     }
-    if (const auto T_lidar_sensor = transforms_.transform(lidar, sensor)) {
+    if (const auto T_lidar_sensor = mounted<BodyVelocity>()) {
       odometry_.mount_velocity(*T_lidar_sensor);
       velocity_is_mounted_ = true;
     }
@@ -382,7 +378,7 @@ class OfflineSlam final : public Slam {
     const auto start = std::chrono::steady_clock::now();
     begin_map();
     wait_for_map(most_behind_ - 1);
-    placed.map_ms = 1e3 * seconds_since(start);
+    placed.map_ms = 1e3 * elapsed_since(start);
     while (!behind_.empty() && is_ready(behind_.front())) {
       behind_.pop_front();
     }
@@ -422,8 +418,13 @@ class OfflineSlam final : public Slam {
     }
     mapper_.emplace(*context_, odometry_.config(), *map_, session_, map_memory_, earlier_sessions_,
                     start_);
-    for (const GnssFix& fix : std::exchange(before_map_fixes_, {})) {
-      map_fix(fix, antenna());  // the worker has nothing to do yet
+    for (ForMap& measured : std::exchange(before_map_measured_, {})) {
+      if (auto* fix = std::get_if<Mounted<GnssFix>>(&measured)) {
+        fix->mounting = antenna();  // its transform may have come since
+      } else {
+        std::get<Mounted<Heading>>(measured).mounting = heading_axis();
+      }
+      map_fix(measured);  // the worker has nothing to do yet
     }
     for (const SweepResult& result : before_map_) {
       static_cast<void>(mapper_->add(Sweep{}, result, {}));
@@ -448,6 +449,7 @@ class OfflineSlam final : public Slam {
 
   std::optional<std::array<double, 7>> configured_;
   GnssConfig gnss_;
+  ReceiverMounts mounts_;
   VelocityConfig velocity_;
   bool inertial_;
   MeasurementGate gate_;
@@ -465,7 +467,7 @@ class OfflineSlam final : public Slam {
   Waits waits_;
   std::optional<Mapper> mapper_;
   std::vector<SweepResult> before_map_;  ///< results of sweeps before the odometry began
-  std::vector<GnssFix> before_map_fixes_;
+  std::vector<ForMap> before_map_measured_;
   std::optional<HighRateStream> high_rate_;
   std::deque<Result> results_;                           ///< not asked for yet, in their order
   std::deque<std::shared_future<MapPlacement>> behind_;  ///< sweeps that the map may work on
@@ -478,10 +480,9 @@ class OfflineSlam final : public Slam {
   FrameTree transforms_;
   /// Of the first measurement of each kind that names one, in the order of Measurement.
   std::array<std::string, std::variant_size_v<Measurement>> frames_;
-  bool has_readings_ = false;                       ///< of the inertial sensor, used or not yet
-  bool velocity_is_mounted_ = false;                ///< by a transform
-  bool transforms_are_new_ = false;                 ///< since the mounting was looked up
-  std::optional<Eigen::Vector3d> p_lidar_antenna_;  ///< once it is known
+  bool has_readings_ = false;         ///< of the inertial sensor, used or not yet
+  bool velocity_is_mounted_ = false;  ///< by a transform
+  bool transforms_are_new_ = false;   ///< since the mounting was looked up
   std::optional<Mounting> mounting_;
   std::optional<Nanoseconds> last_sweep_;  ///< its stamp
   Worker worker_;                          ///< last: it uses the others

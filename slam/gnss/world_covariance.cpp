@@ -13,6 +13,7 @@ std::vector<Eigen::Matrix3d> world_covariances(const PoseGraph& graph,
   GraphInformation information(graph);
   information.add_edges();
   information.add_fixes();
+  information.add_headings();
   information.add_levels();
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(information.matrix());
   if (solver.info() != Eigen::Success) {
@@ -41,6 +42,9 @@ Matrix6d covariance_of_world(const PoseGraph& graph) {
   const auto pose = [&](NodeId node) { return graph.nodes()[graph.index_of(node)].T_map_node; };
   for (const PositionFix& fix : graph.fixes()) {
     add(FixResidual(fix).linearized(graph.T_world_map(), pose(fix.node)));
+  }
+  for (const MeasuredHeading& heading : graph.headings()) {
+    add(HeadingResidual(heading).linearized(graph.T_world_map(), pose(heading.node)));
   }
   for (const LevelledNode& level : graph.levels()) {
     add(LevelResidual(level).linearized(graph.T_world_map(), pose(level.node)));

@@ -10,8 +10,8 @@
 namespace adit {
 
 /// Covariances (m^2, world axes) of where nodes lie in the world: the inverse of the whole graph's
-/// information, of edges, fixes and levels, where it is. Empty where that is singular. One for each
-/// of the nodes, which are of the part of the graph that fixes tie to the world.
+/// information, of edges, fixes, headings and levels, where it is. Empty where that is singular.
+/// One for each of the nodes, which are of the part of the graph that fixes tie to the world.
 std::vector<Eigen::Matrix3d> world_covariances(const PoseGraph& graph,
                                                std::span<const NodeId> nodes);
 

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
+#include "adit/slam/gnss/first_part.hpp"
 #include "adit/slam/gnss/gnss_noise.hpp"
 #include "adit/slam/gnss/world_covariance.hpp"
 #include "adit/slam/graph/graph_residuals.hpp"
@@ -17,10 +19,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kLeastTime = 0.5;  // s, between fixes that count, unless they are
-constexpr double kLeastWay = 1.0;   // m apart
-constexpr double kMoved = 0.5;      // m, while which a receiver does not repeat itself
-constexpr std::size_t kFewestFixes = 5;
+constexpr double kLeastTime = 0.5;         // s, between fixes that count, unless they are
+constexpr double kLeastWay = 1.0;          // m apart
+constexpr double kMoved = 0.5;             // m, while which a receiver does not repeat itself
 constexpr double kLeastExtent = 10.0;      // m, of the fixes that agree
 constexpr std::size_t kManyOutliers = 20;  // more than are used: the place is wrong
 constexpr std::size_t kManyUsed = 10;      // for each outlier: no reason to look for a jump
@@ -45,7 +46,8 @@ Vector3d p_map(const PoseGraph& graph, const MapFix& fix) {
   return graph.nodes()[graph.index_of(fix.keyframe)].T_map_node * fix.p_keyframe_antenna;
 }
 
-/// Turns the map so that its levelled nodes are level, by their mean.
+}  // namespace
+
 Matrix3d levelling(const PoseGraph& graph) {
   Vector3d up = Vector3d::Zero();
   for (const LevelledNode& level : graph.levels()) {
@@ -57,22 +59,9 @@ Matrix3d levelling(const PoseGraph& graph) {
              : Matrix3d::Identity();
 }
 
-/// The first part of the map is the one that lies in the world.
-class FirstPart {
- public:
-  explicit FirstPart(const PoseGraph& graph)
-      : graph_(&graph), component_of_(connected_components(graph).component_of) {}
-  bool has(NodeId node) const { return component_of_[graph_->index_of(node)] == 0; }
-
- private:
-  const PoseGraph* graph_;
-  std::vector<std::size_t> component_of_;
-};
-
-}  // namespace
-
-void WorldTies::begin_behind(std::vector<MapFix> fixes,
+void WorldTies::begin_behind(std::vector<MapFix> fixes, std::vector<MapHeading> headings,
                              const std::optional<Georeference>& georeference) {
+  headings_.begin_behind(std::move(headings));
   fixes_ = std::move(fixes);
   earlier_ = judged_ = tried_ = report_.fixes = fixes_.size();
   for (std::size_t i = 0; i < fixes_.size(); ++i) {
@@ -247,13 +236,15 @@ bool WorldTies::find_place(PoseGraph& graph, const PlaceNeeds& needs) {
       found->yaw_sigma < needs.yaw_sigma && agreeing.size() >= kFewestFixes &&
       box.sizes().norm() >= kLeastExtent &&
       static_cast<double>(agreeing.size()) >= needs.agreement * static_cast<double>(part.size());
-  const bool better = !frame_ || 2 * agreeing.size() >= 3 * count(FixVerdict::used);
+  const bool better =
+      !frame_ || placed_by_headings_ || 2 * agreeing.size() >= 3 * count(FixVerdict::used);
   if (!known || !better) {
     return false;
   }
   for (std::size_t i = 0; i < part.size(); ++i) {
     set_verdict(part[i], found->agrees[i] ? FixVerdict::used : FixVerdict::outlier);
   }
+  placed_by_headings_ = false;
   frame_.emplace(fixes_[agreeing.front()].place);
   const std::optional<WorldFit> again = fit(graph, part, *frame_, false);
   Eigen::Isometry3d T_world_map = (again ? *again : *found).T_world_map;
@@ -270,6 +261,8 @@ bool WorldTies::is_contradicted() const {
 
 void WorldTies::forget_place(PoseGraph& graph) {
   frame_.reset();
+  placed_by_headings_ = false;
+  headings_.forget_place();
   graph.clear_fixes();
   used_since_ = 0;
   for (std::size_t i = 0; i < fixes_.size(); ++i) {
@@ -304,6 +297,11 @@ void WorldTies::tie(PoseGraph& graph) {
     }
     graph.add_fix(as_measured(fix, *frame_));
   }
+  if (frame_) {
+    for (const MapHeading& heading : headings_.used(graph)) {
+      graph.add_heading(as_measured(heading, graph, *frame_));
+    }
+  }
 }
 
 void WorldTies::optimize(PoseGraph& graph) {
@@ -333,6 +331,7 @@ bool WorldTies::judge_again(const PoseGraph& graph, double gate_of_used) {
     set_verdict(i, fixes_[i].chi2 < gate ? FixVerdict::used : FixVerdict::outlier);
     changed |= fixes_[i].verdict != before;
   }
+  headings_.judge_again(graph, *frame_);
   return changed;
 }
 
@@ -414,19 +413,20 @@ WorldTies::Change WorldTies::take_change(const PoseGraph& graph, bool moved, boo
 }
 
 WorldTies::Change WorldTies::take_effect(PoseGraph& graph, NodeId keyframe, bool may_optimize) {
-  if (!may_optimize || judged_ == fixes_.size() || fixes_[judged_].keyframe > keyframe) {
+  if (!may_optimize || !has_news(keyframe)) {
     return {};
   }
   const bool had_place = frame_.has_value();
   judge_new(graph, keyframe);
+  headings_.judge_new(graph, keyframe);
   if (is_contradicted()) {
     forget_place(graph);
   }
+  const bool found = look_for_place(graph);
   const std::size_t nodes = graph.nodes().size();
   const bool wanted =
-      frame_ ? used_since_ > 0 &&
-                   nodes >= optimized_nodes_ + std::max(kNodesBetween, optimized_nodes_ / 10)
-             : judged_ > tried_ + tried_ / 10 && find_place(graph, {});
+      found || (frame_ && used_since_ > 0 &&
+                nodes >= optimized_nodes_ + std::max(kNodesBetween, optimized_nodes_ / 10));
   if (wanted) {
     optimize(graph);
     judge_again(graph, kSlack * kFixGate);
@@ -436,14 +436,19 @@ WorldTies::Change WorldTies::take_effect(PoseGraph& graph, NodeId keyframe, bool
 
 WorldTies::Change WorldTies::finish(PoseGraph& graph, bool may_optimize) {
   if (fixes_.empty()) {
+    report_.heading = headings_.report();
     return {};
   }
   const bool had_place = frame_.has_value();
   judge_new(graph, fixes_.back().keyframe);
+  headings_.judge_new(graph, std::numeric_limits<NodeId>::max());
   if (is_contradicted()) {
     forget_place(graph);
   }
-  find_place(graph, {});
+  assess_headings(graph);
+  if (!find_place(graph, {}) && !frame_) {
+    place_by_headings(graph);
+  }
   if (frame_ && may_optimize) {
     settle(graph);
   }
@@ -460,7 +465,16 @@ WorldTies::Change WorldTies::finish(PoseGraph& graph, bool may_optimize) {
   look_for_jump(graph);
   measure(graph);
   Change change = take_change(graph, had_place || frame_, had_place);
+  if (frame_) {
+    change.headings = headings_.used(graph);
+  } else if (had_place) {
+    change.headings.emplace();
+  }
   report_.georeference = change.georeference;
+  if (!frame_) {
+    headings_.forget_place();
+  }
+  report_.heading = headings_.report();
   return change;
 }
 

@@ -13,6 +13,7 @@
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/core/units.hpp"
 #include "adit/slam/gnss/antenna_calibration.hpp"
+#include "adit/slam/gnss/heading_ties.hpp"
 #include "adit/slam/gnss/map_fix.hpp"
 #include "adit/slam/gnss/odometry_track.hpp"
 #include "adit/slam/gnss/receiver_jump.hpp"
@@ -20,6 +21,12 @@
 #include "adit/slam/gnss/world_frame.hpp"
 
 namespace adit {
+
+/// Fewer fixes place no map without headings.
+inline constexpr std::size_t kFewestFixes = 5;
+
+/// Turns a map so that its levelled nodes are level, by their mean.
+Eigen::Matrix3d levelling(const PoseGraph& graph);
 
 /// What fixes tell of where their antenna sits and of how late they are.
 struct AntennaReport {
@@ -60,6 +67,7 @@ struct GnssReport {
   std::size_t optimizations = 0;
   double level_drift_scale = 1.0;  ///< of the last one (LoopOptimum)
   AntennaReport antenna{};
+  HeadingReport heading{};
 
   /// There was a receiver at all.
   bool any() const { return fixes + without_position + outside + left_out > 0; }
@@ -68,17 +76,23 @@ struct GnssReport {
 /// Ties a map to the world by GNSS fixes: looks for its place until that is known well enough,
 /// judges each fix by where the map has it, and optimises the graph with those that agree
 /// (docs/theory/gnss.md). The map's first node stays where it is: what moves is T_world_map, and
-/// the map in itself by as much as the fixes correct of its drift.
+/// the map in itself by as much as the fixes correct of its drift. Headings, which a map may have
+/// besides, count where fixes and odometry do not contradict them.
 class WorldTies {
  public:
-  explicit WorldTies(const GnssConfig& config) : config_(config) {}
+  explicit WorldTies(const GnssConfig& config) : config_(config), headings_(config) {}
 
   /// The graph begins with nodes of earlier sessions, whose fixes these are in the order of their
-  /// ids, and perhaps with a place in the world. Only before all else.
-  void begin_behind(std::vector<MapFix> fixes, const std::optional<Georeference>& georeference);
+  /// ids, with the headings that are used, and perhaps with a place in the world. Only before all
+  /// else.
+  void begin_behind(std::vector<MapFix> fixes, std::vector<MapHeading> headings,
+                    const std::optional<Georeference>& georeference);
 
   /// Of a node that the graph will have, in the order of their times.
   void add(std::span<const MapFix> fixes);
+  /// Likewise.
+  void add(std::span<const MapHeading> headings) { headings_.add(headings); }
+  void count_headings_outside(std::size_t headings) { headings_.count_outside(headings); }
   /// Of the lidar in the odometry's frame, a sweep each; `anew` as of OdometryTrack.
   void add_pose(const StampedPose& pose, bool anew) { track_.add(pose, anew); }
   void count_without_position() { ++report_.without_position; }
@@ -87,6 +101,8 @@ class WorldTies {
   /// What a step has changed.
   struct Change {
     std::vector<MapFix> fixes;  ///< those with another verdict, residual or weight
+    /// All that are used, at the end; none: they are as before.
+    std::optional<std::vector<MapHeading>> headings{};
     std::optional<Georeference> georeference{};
     bool place_is_lost = false;  ///< later fixes contradict it
     bool moved = false;          ///< the graph has other poses
@@ -99,6 +115,7 @@ class WorldTies {
   const GnssReport& report() const { return report_; }
 
  private:
+  bool has_news(NodeId keyframe) const;
   void set_verdict(std::size_t fix, FixVerdict verdict);
   void set_chi2(std::size_t fix, double chi2);
   std::size_t count(FixVerdict verdict) const;
@@ -120,6 +137,9 @@ class WorldTies {
     double yaw_sigma = 1.0 * kDegree;  ///< rad
   };
   bool find_place(PoseGraph& graph, const PlaceNeeds& needs);
+  void assess_headings(PoseGraph& graph);
+  bool place_by_headings(PoseGraph& graph);
+  bool look_for_place(PoseGraph& graph);
   bool is_contradicted() const;
   void forget_place(PoseGraph& graph);
   bool would_agree_exchanged(const PoseGraph& graph);
@@ -149,7 +169,11 @@ class WorldTies {
   std::size_t tried_ = 0;                 ///< how many there were when the place was looked for
   std::optional<std::size_t> last_kept_;  ///< the latest fix that is neither thinned nor frozen
   std::optional<WorldFrame> frame_;
-  double optimized_path_ = 0.0;  ///< m, of the last used fix in the last optimisation
+  HeadingTies headings_;
+  std::size_t assessed_ = 0;           ///< how many fixes there were when the headings were judged
+  std::size_t assessed_headings_ = 0;  ///< and how many of these
+  bool placed_by_headings_ = false;    ///< frame_ is; fixes alone do not tell the place yet
+  double optimized_path_ = 0.0;        ///< m, of the last used fix in the last optimisation
   std::size_t optimized_nodes_ = 0;
   std::size_t used_since_ = 0;
   OdometryScales odometry_scales_;  ///< of the last optimisation

@@ -132,6 +132,9 @@ class Condenser {
     for (const LevelledNode& level : graph_.levels()) {
       result.graph.add_level(level);
     }
+    for (const MeasuredHeading& heading : graph_.headings()) {
+      result.graph.add_heading(heading);
+    }
     result.graph.set_T_world_map(graph_.T_world_map());
     return result;
   }
@@ -145,6 +148,9 @@ class Condenser {
     }
     for (const LevelledNode& level : graph_.levels()) {
       in_world[graph_.index_of(level.node)] = true;
+    }
+    for (const MeasuredHeading& heading : graph_.headings()) {
+      in_world[graph_.index_of(heading.node)] = true;
     }
     std::vector<bool> inner(graph_.nodes().size());
     for (std::size_t i = 0; i < inner.size(); ++i) {

@@ -48,6 +48,14 @@ void GraphInformation::add_fixes() {
   }
 }
 
+void GraphInformation::add_headings() {
+  for (const MeasuredHeading& heading : graph_->headings()) {
+    add_tie(heading.node,
+            HeadingResidual(heading).linearized(
+                graph_->T_world_map(), graph_->nodes()[graph_->index_of(heading.node)].T_map_node));
+  }
+}
+
 void GraphInformation::add_levels() {
   for (const LevelledNode& level : graph_->levels()) {
     add_tie(level.node,

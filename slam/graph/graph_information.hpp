@@ -40,6 +40,7 @@ class GraphInformation {
   /// Active edges, with their informations as they are.
   void add_edges();
   void add_fixes();
+  void add_headings();
   void add_levels();
   /// Whatever residuals of these variables add: J'J and J'r of them all, whitened.
   void add(std::initializer_list<Block> blocks,

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/graph/graph_residuals.hpp"
 
+#include <numbers>
+
 namespace adit {
 namespace {
 
@@ -63,6 +65,28 @@ WhitenedTie<2> LevelResidual::linearized(const Eigen::Isometry3d& T_world_map,
   return tie;
 }
 
+// A turn about the vertical turns the yaw by as much, whichever way the axis leans. By a tilt the
+// yaw of an axis that leans changes, too; that is left out, so that no heading bends a tilt which
+// nothing else holds.
+WhitenedTie<1> HeadingResidual::linearized(const Eigen::Isometry3d& T_world_map,
+                                           const Eigen::Isometry3d& T_map_node) const {
+  constexpr double kUpright = 1e-6;  // squared cosine of the axis's elevation
+  const Eigen::Vector3d axis_world = T_world_map.linear() * (T_map_node.linear() * axis_node_);
+  WhitenedTie<1> tie;
+  tie.residual.setZero();
+  tie.by_world.setZero();
+  tie.by_node.setZero();
+  if (axis_world.head<2>().squaredNorm() < kUpright) {
+    return tie;
+  }
+  tie.residual(0) = root_ * std::remainder(std::atan2(axis_world.y(), axis_world.x()) - yaw_,
+                                           2.0 * std::numbers::pi);
+  const Eigen::RowVector3d vertical_map = T_world_map.linear().row(2);
+  tie.by_world.rightCols<3>() = root_ * vertical_map;
+  tie.by_node.rightCols<3>() = root_ * vertical_map * T_map_node.linear();
+  return tie;
+}
+
 double cost_of(const PoseGraph& graph, const OptimizedGraph& optimized,
                const OptimizationSettings& settings) {
   double cost = 0.0;
@@ -81,6 +105,9 @@ double cost_of(const PoseGraph& graph, const OptimizedGraph& optimized,
   }
   for (const LevelledNode& level : graph.levels()) {
     add(level.node, LevelResidual(level));
+  }
+  for (const MeasuredHeading& heading : graph.headings()) {
+    add(heading.node, HeadingResidual(heading));
   }
   return cost;
 }

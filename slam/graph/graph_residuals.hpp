@@ -149,13 +149,32 @@ class LevelResidual {
   double root_;
 };
 
+/// The yaw of a node's axis in the world less the measured one, within half a turn of 0. The yaw is
+/// that of the axis's projection on the level, as two antennas and a tilt-compensated compass give
+/// it. Jacobians are by the turn about the vertical: of tilts a heading says nothing. An axis that
+/// stands upright has no yaw: its residual and Jacobians are 0.
+class HeadingResidual {
+ public:
+  static constexpr int kRows = 1;
+  explicit HeadingResidual(const MeasuredHeading& heading)
+      : axis_node_(heading.axis_node), yaw_(heading.yaw), root_(std::sqrt(heading.information)) {}
+
+  WhitenedTie<kRows> linearized(const Eigen::Isometry3d& T_world_map,
+                                const Eigen::Isometry3d& T_map_node) const;
+
+ private:
+  Eigen::Vector3d axis_node_;
+  double yaw_;
+  double root_;
+};
+
 /// Residuals of the active edges, with the nodes at these poses.
 std::vector<std::optional<EdgeResult>> edge_results(const PoseGraph& graph,
                                                     std::span<const Eigen::Isometry3d> poses,
                                                     const OptimizationSettings& settings);
 
-/// The sum of chi squared under the kernels, fixes and levels included, where the optimisation has
-/// come to.
+/// The sum of chi squared under the kernels, fixes, headings and levels included, where the
+/// optimisation has come to.
 double cost_of(const PoseGraph& graph, const OptimizedGraph& optimized,
                const OptimizationSettings& settings);
 

@@ -102,6 +102,7 @@ std::optional<double> unlikeliness(const PoseGraph& weighted, double scale) {
   all.add_edges();
   all.add_levels();
   all.add_fixes();
+  all.add_headings();
   GraphInformation given(chain);
   given.add_edges();
   given.add_levels();

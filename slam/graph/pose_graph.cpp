@@ -139,6 +139,19 @@ void PoseGraph::add_level(const LevelledNode& level) {
   levels_.push_back(level);
 }
 
+void PoseGraph::add_heading(const MeasuredHeading& heading) {
+  constexpr double kUnitLength = 1e-6;
+  const std::string name = "the heading of node " + std::to_string(heading.node);
+  require_in_space(heading.node, name);
+  if (!std::isfinite(heading.yaw) || !(std::abs(heading.axis_node.norm() - 1.0) < kUnitLength)) {
+    throw GraphError(name + " is not finite, or its axis is not of length 1");
+  }
+  if (!std::isfinite(heading.information) || heading.information < 0.0) {
+    throw GraphError("the information of " + name + " is none");
+  }
+  headings_.push_back(heading);
+}
+
 void PoseGraph::require_in_space(NodeId id, const std::string& name) const {
   if (planar_) {
     throw GraphError(name + " has no place in a planar graph");

@@ -67,6 +67,14 @@ struct PositionFix {
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
 };
 
+/// Which way an axis of a node was measured to point in the level of the world.
+struct MeasuredHeading {
+  NodeId node = 0;                                       ///< whose axis it is
+  Eigen::Vector3d axis_node = Eigen::Vector3d::UnitX();  ///< in the node's axes, of length 1
+  double yaw = 0.0;          ///< of it, about the world's vertical from its x axis, rad
+  double information = 0.0;  ///< 1/rad^2
+};
+
 /// A node whose z axis was measured to point up in the world.
 struct LevelledNode {
   NodeId node = 0;           ///< which
@@ -114,6 +122,8 @@ class PoseGraph {
 
   /// What ties nodes to the world by position.
   const std::vector<PositionFix>& fixes() const { return fixes_; }
+  /// What ties nodes to the world by direction, besides fixes: it gives the map no place by itself.
+  const std::vector<MeasuredHeading>& headings() const { return headings_; }
   /// What ties nodes to the vertical.
   const std::vector<LevelledNode>& levels() const { return levels_; }
   /// Throw GraphError: no such node, not finite, or an information that is none. Not for planar
@@ -121,8 +131,13 @@ class PoseGraph {
   void add_fix(const PositionFix& fix);
   /// As add_fix().
   void add_level(const LevelledNode& level);
-  /// The map has no place in the world any more.
-  void clear_fixes() { fixes_.clear(); }
+  /// As add_fix().
+  void add_heading(const MeasuredHeading& heading);
+  /// The map has no place in the world any more, nor a heading.
+  void clear_fixes() {
+    fixes_.clear();
+    headings_.clear();
+  }
 
   /// Where the map lies in the world.
   const Eigen::Isometry3d& T_world_map() const { return T_world_map_; }
@@ -158,6 +173,7 @@ class PoseGraph {
   std::vector<std::vector<std::size_t>> edges_of_;  ///< indices of each node's edges
   std::vector<PositionFix> fixes_;
   std::vector<LevelledNode> levels_;
+  std::vector<MeasuredHeading> headings_;
   Eigen::Isometry3d T_world_map_ = Eigen::Isometry3d::Identity();
 };
 

@@ -124,16 +124,22 @@ class TieCost final : public ceres::SizedCostFunction<Residual::kRows, kBlock, k
   Residual residual_;
 };
 
-/// Holds T_world_map near its start in what neither fixes nor levels tell of it.
+/// Holds T_world_map near its start in what neither fixes nor levels tell of it. Headings place a
+/// map that a straight way has not levelled yet, and fixes along a line leave its roll about that
+/// free: with them the tilt is held to what an upright map has at the start of a run.
 class WorldPrior final : public ceres::SizedCostFunction<6, kBlock> {
  public:
-  explicit WorldPrior(const Eigen::Isometry3d& start) : start_(start) {}
+  WorldPrior(const Eigen::Isometry3d& start, bool upright) : start_(start), upright_(upright) {}
 
   bool Evaluate(const double* const* blocks, double* residual, double** jacobians) const override {
-    constexpr double kPosition = 1e-4;  // 1/m: ten kilometres count as one
-    constexpr double kRotation = 1e-2;  // 1/rad
+    constexpr double kPosition = 1e-4;     // 1/m: ten kilometres count as one
+    constexpr double kRotation = 1e-2;     // 1/rad
+    constexpr double kUprightRoot = 10.0;  // 1/rad: ten times what rough gravity is off by
     Vector6d root;
     root << Eigen::Vector3d::Constant(kPosition), Eigen::Vector3d::Constant(kRotation);
+    if (upright_) {
+      root.segment<2>(3).setConstant(kUprightRoot);
+    }
     const Eigen::Isometry3d moved = start_.inverse() * to_pose(blocks[0]);
     const BetweenResidual between = between_residual(moved, ResidualConvention::rotation);
     Eigen::Map<Vector6d>{residual} = root.cwiseProduct(between.residual);
@@ -147,6 +153,7 @@ class WorldPrior final : public ceres::SizedCostFunction<6, kBlock> {
 
  private:
   Eigen::Isometry3d start_;
+  bool upright_;
 };
 
 class KernelLoss final : public ceres::LossFunction {
@@ -230,6 +237,15 @@ std::vector<PositionFix> canonical_fixes(const PoseGraph& graph) {
   return fixes;
 }
 
+/// The headings, likewise.
+std::vector<MeasuredHeading> canonical_headings(const PoseGraph& graph) {
+  std::vector<MeasuredHeading> headings = graph.headings();
+  std::ranges::stable_sort(headings, {}, [](const MeasuredHeading& heading) {
+    return std::tuple(heading.node, heading.yaw, heading.information);
+  });
+  return headings;
+}
+
 /// A graph as Ceres's problem, over blocks of its nodes.
 template <int kFreedom>
 class GraphProblem {
@@ -305,7 +321,8 @@ class GraphProblem {
     const auto add = [&](NodeId node, ceres::CostFunction* cost) {
       if (!any) {
         problem_.AddParameterBlock(world_.data(), kBlock, &manifold_);
-        problem_.AddResidualBlock(new WorldPrior(graph.T_world_map()), nullptr, world_.data());
+        problem_.AddResidualBlock(new WorldPrior(graph.T_world_map(), !graph.headings().empty()),
+                                  nullptr, world_.data());
         any = true;
       }
       problem_.AddResidualBlock(cost, nullptr, world_.data(), blocks_[graph.index_of(node)].data());
@@ -318,6 +335,11 @@ class GraphProblem {
     for (const LevelledNode& level : graph.levels()) {
       if (tied[graph.index_of(level.node)]) {
         add(level.node, new TieCost<LevelResidual>(LevelResidual(level)));
+      }
+    }
+    for (const MeasuredHeading& heading : canonical_headings(graph)) {
+      if (tied[graph.index_of(heading.node)]) {
+        add(heading.node, new TieCost<HeadingResidual>(HeadingResidual(heading)));
       }
     }
   }

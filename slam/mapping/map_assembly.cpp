@@ -61,7 +61,7 @@ void MapAssembly::begin_behind(StoredMap earlier, const GnssConfig& gnss) {
   } else if (graph_.fixes().size() > used) {
     uses_fixes_ = false;  // the map's control points place it, and stay with its graph
   } else {
-    world_.begin_behind(std::move(earlier.fixes), georeference_);
+    world_.begin_behind(std::move(earlier.fixes), std::move(earlier.headings), georeference_);
   }
 }
 
@@ -232,6 +232,7 @@ void MapAssembly::add(const AssembledKeyframe& added) {
   }
   if (uses_fixes_) {
     world_.add(added.fixes);
+    world_.add(added.headings);
   }
   T_odom_keyframes_.push_back(added.T_odom_keyframe);
   due_.push_back({.at = keyframe.id + delay_, .keyframe = keyframe.id, .edge = added.edge});
@@ -332,6 +333,7 @@ void MapAssembly::close_loops(const LoopCloser::Change& change, std::size_t last
 void MapAssembly::tie_to_world(const WorldTies::Change& change, std::size_t last_tied) {
   if (!change.fixes.empty() || change.georeference) {
     store_->revise({.fixes = change.fixes,
+                    .headings = change.headings,
                     .georeference = change.georeference,
                     .drops_georeference = change.place_is_lost});
   }

@@ -26,6 +26,7 @@ struct AssembledKeyframe {
   const SurfaceCloud* cloud = nullptr;  ///< the submap on the device
   std::optional<PoseEdge> edge{};       ///< from the one before; none: nothing ties it to that
   std::vector<MapFix> fixes{};          ///< in the order of their times
+  std::vector<MapHeading> headings{};   ///< likewise
 };
 
 /// What a session counts on from: behind those of earlier sessions.

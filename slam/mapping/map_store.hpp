@@ -16,6 +16,7 @@
 #include "adit/slam/core/types.hpp"
 #include "adit/slam/gnss/ground_control.hpp"
 #include "adit/slam/gnss/map_fix.hpp"
+#include "adit/slam/gnss/map_heading.hpp"
 #include "adit/slam/gnss/world_frame.hpp"
 #include "adit/slam/graph/pose_graph.hpp"
 #include "adit/slam/graph/vertical.hpp"
@@ -63,6 +64,7 @@ struct MapRevision {
   std::vector<std::pair<std::size_t, EdgeStatus>> statuses{};  ///< new ones of stored edges
   std::vector<PoseNode> poses{};                               ///< new ones of stored keyframes
   std::vector<MapFix> fixes{};                                 ///< in place of those stored
+  std::optional<std::vector<MapHeading>> headings{};           ///< in place of all those stored
   std::optional<Georeference> georeference{};                  ///< in place of that stored
   bool drops_georeference = false;                             ///< the map has no place any more
   std::optional<std::vector<ControlPoint>> control{};          ///< in place of all those stored
@@ -89,12 +91,14 @@ class MapStore {
   virtual std::vector<MapKeyframe> keyframes() const = 0;
   /// Edges in the order in which they were stored: MapRevision::statuses counts them so. Tied to
   /// the world by the verticals of keyframes and, where the map has its place there, by the fixes
-  /// used and its control points.
+  /// and headings used and its control points.
   virtual PoseGraph graph() const = 0;
   /// In order of their ids.
   virtual std::vector<LoopCandidate> candidates() const = 0;
   /// All fixes, used or not, in order of time.
   virtual std::vector<MapFix> fixes() const = 0;
+  /// The headings that are used, in the order in which they were given.
+  virtual std::vector<MapHeading> headings() const { return {}; }
   /// Where the map lies on the Earth; nothing: unknown.
   virtual std::optional<Georeference> georeference() const = 0;
   /// What a keyframe has seen, all chunks of it.

@@ -40,6 +40,7 @@ MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
     assembly_.begin_at(expected_start(*std::exchange(start_, std::nullopt), result.T_map_lidar));
   }
   place_fixes(result);
+  place_headings(result);
   const bool after_silence = result.silence > 0.0 && result.state == OdometryState::tracking;
   if (!open_ || result.keyframe || restarted || after_silence || builder_.full()) {
     if (open_) {
@@ -81,10 +82,40 @@ void Mapper::add(const GnssFix& fix, const Eigen::Vector3d& p_lidar_antenna) {
   pending_.insert(later, {.fix = fix, .p_lidar_antenna = p_lidar_antenna});
 }
 
-// Those between the sweep before and this one, which the keyframe that is open has seen.
+void Mapper::add(const Heading& heading, const Eigen::Vector3d& axis_lidar) {
+  const auto later =
+      std::ranges::upper_bound(pending_headings_, heading.stamp, {},
+                               [](const PendingHeading& pending) { return pending.heading.stamp; });
+  pending_headings_.insert(later, {.heading = heading, .axis_lidar = axis_lidar});
+}
+
+// What lies between the sweep before and this one, which the keyframe that is open has seen.
+bool Mapper::is_placed_by(const SweepResult& next) const {
+  return open_ && last_pose_ && next.state != OdometryState::restarted &&
+         seconds(next.stamp - last_pose_->stamp) < kLongestInterpolation;
+}
+
+void Mapper::place_headings(const SweepResult& next) {
+  const bool known = is_placed_by(next);
+  for (; !pending_headings_.empty() && pending_headings_.front().heading.stamp < next.stamp;
+       pending_headings_.pop_front()) {
+    const auto& [heading, axis_lidar] = pending_headings_.front();
+    if (!known || heading.stamp < last_pose_->stamp) {
+      assembly_.world().count_headings_outside(1);
+      continue;
+    }
+    const TrackedMotion lidar =
+        between(*last_pose_, {.stamp = next.stamp, .pose = next.T_map_lidar}, heading.stamp);
+    open_->headings.push_back({.keyframe = open_->id,
+                               .stamp = heading.stamp,
+                               .yaw = heading.yaw,
+                               .sigma = heading_deviation(heading, config_.gnss),
+                               .axis_keyframe = lidar.T_odom_lidar.linear() * axis_lidar});
+  }
+}
+
 void Mapper::place_fixes(const SweepResult& next) {
-  const bool known = open_ && last_pose_ && next.state != OdometryState::restarted &&
-                     seconds(next.stamp - last_pose_->stamp) < kLongestInterpolation;
+  const bool known = is_placed_by(next);
   for (; !pending_.empty() && pending_.front().fix.stamp < next.stamp; pending_.pop_front()) {
     const auto& [fix, p_lidar_antenna] = pending_.front();
     if (!known || fix.stamp < last_pose_->stamp) {
@@ -112,6 +143,8 @@ void Mapper::place_fixes(const SweepResult& next) {
 void Mapper::finish() {
   assembly_.world().count_outside(pending_.size());
   pending_.clear();
+  assembly_.world().count_headings_outside(pending_headings_.size());
+  pending_headings_.clear();
   store_->begin_end(last_sweep_);
   if (open_) {
     freeze();
@@ -138,6 +171,9 @@ void Mapper::freeze() {
     fix.p_keyframe_antenna = frozen.T_odom_keyframe.inverse() * fix.p_keyframe_antenna;
     fix.T_keyframe_lidar = frozen.T_odom_keyframe.inverse() * fix.T_keyframe_lidar;
   }
+  for (MapHeading& heading : open.headings) {
+    heading.axis_keyframe = frozen.T_odom_keyframe.linear().transpose() * heading.axis_keyframe;
+  }
   std::optional<PoseEdge> edge;
   if (last_ && !open.detached) {
     edge = tie(*last_, open, frozen, cloud);
@@ -152,7 +188,8 @@ void Mapper::freeze() {
        .submap = &submap,
        .cloud = &cloud,
        .edge = edge,
-       .fixes = std::move(open.fixes)});
+       .fixes = std::move(open.fixes),
+       .headings = std::move(open.headings)});
   const bool has_points = cloud.size > 0;
   last_.emplace(Frozen{.id = open.id,
                        .lidar = open.lidar,

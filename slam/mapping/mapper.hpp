@@ -69,6 +69,8 @@ class Mapper {
   /// A fix of the antenna at that place of the lidar's axes (m). It counts once the sweeps before
   /// and after it have come, whose poses by the odometry tell where it was taken.
   void add(const GnssFix& fix, const Eigen::Vector3d& p_lidar_antenna);
+  /// A heading of an axis that points that way in the lidar's axes, likewise.
+  void add(const Heading& heading, const Eigen::Vector3d& axis_lidar);
 
   /// The last keyframe is stored, everything takes effect, and final poses go to the store.
   void finish();
@@ -82,14 +84,19 @@ class Mapper {
   /// The keyframe whose submap grows.
   struct Open {
     NodeId id = 0;
-    UncertainPose lidar;          ///< pose of its first sweep, in the odometry's frame
-    bool detached = false;        ///< the odometry started anew with it
-    bool after_silence = false;   ///< the odometry found its track again with it
-    std::vector<MapFix> fixes{};  ///< antenna and lidar in the odometry's frame as yet
+    UncertainPose lidar;                 ///< pose of its first sweep, in the odometry's frame
+    bool detached = false;               ///< the odometry started anew with it
+    bool after_silence = false;          ///< the odometry found its track again with it
+    std::vector<MapFix> fixes{};         ///< antenna and lidar in the odometry's frame as yet
+    std::vector<MapHeading> headings{};  ///< axis in the odometry's frame as yet
   };
   struct PendingFix {
     GnssFix fix;
     Eigen::Vector3d p_lidar_antenna;
+  };
+  struct PendingHeading {
+    Heading heading;
+    Eigen::Vector3d axis_lidar;
   };
   /// One that is stored.
   struct Frozen {
@@ -99,7 +106,9 @@ class Mapper {
     AlignmentTarget target;
     bool has_points = false;
   };
+  bool is_placed_by(const SweepResult& next) const;
   void place_fixes(const SweepResult& next);
+  void place_headings(const SweepResult& next);
   void freeze();
   PoseEdge tie(const Frozen& from, const Open& to, const FrozenSubmap& submap,
                const SurfaceCloud& cloud);
@@ -117,7 +126,8 @@ class Mapper {
   std::optional<Open> open_;
   std::optional<Frozen> last_;
   NodeId next_ = 0;
-  std::deque<PendingFix> pending_;  ///< in the order of their stamps
+  std::deque<PendingFix> pending_;               ///< in the order of their stamps
+  std::deque<PendingHeading> pending_headings_;  ///< likewise
   /// The sweep before, for what is between it and the next.
   std::optional<StampedPose> last_pose_;
   double path_ = 0.0;          ///< m, up to that sweep

@@ -49,7 +49,7 @@ void optimize(PoseGraph& graph) {
 /// As one run would have it. False: the fixes do not say where the map lies.
 bool place_by_fixes(MergedWorld& merged, const GnssConfig& config) {
   WorldTies ties(config);
-  ties.begin_behind(merged.fixes, std::nullopt);
+  ties.begin_behind(merged.fixes, merged.headings, std::nullopt);
   PoseGraph graph = merged.graph;
   const WorldTies::Change change = ties.finish(graph);
   if (!change.georeference) {
@@ -89,6 +89,11 @@ void place_by_reference(MergedWorld& merged, const WorldPart& reference) {
       graph.add_fix(as_measured(fix, frame));
     }
   }
+  for (const MapHeading& heading : merged.headings) {
+    if (first.has(heading.keyframe)) {
+      graph.add_heading(as_measured(heading, graph, frame));
+    }
+  }
   for (const ControlPoint& point : merged.control) {
     if (point.role == ControlRole::control && first.has(point.keyframe)) {
       graph.add_fix(as_measured(point, frame));
@@ -107,6 +112,7 @@ MergedWorld place_in_world(PoseGraph graph, const std::vector<WorldPart>& parts,
   MergedWorld merged{.graph = std::move(graph), .fixes = numbered_fixes(parts)};
   for (const WorldPart& part : parts) {
     merged.control.insert(merged.control.end(), part.control.begin(), part.control.end());
+    merged.headings.insert(merged.headings.end(), part.headings.begin(), part.headings.end());
   }
   const FirstComponent first(merged.graph);
   const bool has_control = std::ranges::any_of(merged.control, [&](const ControlPoint& point) {

@@ -12,6 +12,7 @@
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/gnss/ground_control.hpp"
 #include "adit/slam/gnss/map_fix.hpp"
+#include "adit/slam/gnss/map_heading.hpp"
 #include "adit/slam/gnss/world_frame.hpp"
 #include "adit/slam/graph/loop_optimization.hpp"
 
@@ -22,13 +23,15 @@ struct WorldPart {
   NodeId first = 0;                                                ///< its first keyframe
   Eigen::Isometry3d T_part_first = Eigen::Isometry3d::Identity();  ///< that one's in its own map
   std::vector<MapFix> fixes{};                                     ///< in the order of their ids
+  std::vector<MapHeading> headings{};                              ///< that are used
   std::vector<ControlPoint> control{};
   std::optional<Georeference> georeference{};  ///< of its own map
 };
 
 struct MergedWorld {
-  PoseGraph graph{};            ///< optimised, with what ties it to the world
-  std::vector<MapFix> fixes{};  ///< of all parts, numbered from 1 in the order of the parts
+  PoseGraph graph{};                   ///< optimised, with what ties it to the world
+  std::vector<MapFix> fixes{};         ///< of all parts, numbered from 1 in the order of the parts
+  std::vector<MapHeading> headings{};  ///< of all parts, in their order
   std::vector<ControlPoint> control{};
   std::optional<Georeference> georeference{};
 };

@@ -48,6 +48,7 @@ StoredMap read_stored_map(engine::Context& context, const MapStore& store,
   }
   earlier.fixes = store.fixes();
   std::ranges::sort(earlier.fixes, {}, &MapFix::id);
+  earlier.headings = store.headings();
   earlier.georeference = store.georeference();
   return earlier;
 }

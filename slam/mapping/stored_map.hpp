@@ -23,11 +23,12 @@ enum class EarlierSessions {
 
 /// The map that a new session begins with.
 struct StoredMap {
-  PoseGraph graph;                   ///< with the fixes that tie it to the world
-  std::vector<EarlierPlace> places;  ///< in the order of the graph's nodes
-  MapAliases aliases{};              ///< where it looks like itself
-  int64_t last_candidate = 0;        ///< highest id; 0: none
-  std::vector<MapFix> fixes{};       ///< in the order of their ids
+  PoseGraph graph;                     ///< with the fixes that tie it to the world
+  std::vector<EarlierPlace> places;    ///< in the order of the graph's nodes
+  MapAliases aliases{};                ///< where it looks like itself
+  int64_t last_candidate = 0;          ///< highest id; 0: none
+  std::vector<MapFix> fixes{};         ///< in the order of their ids
+  std::vector<MapHeading> headings{};  ///< that are used
   std::optional<Georeference> georeference{};
 };
 

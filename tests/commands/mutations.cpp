@@ -129,6 +129,14 @@ void damage(BodyVelocity& velocity, Dice& dice) {
   }
 }
 
+void damage(Heading& heading, Dice& dice) {
+  if (dice.one_in(3)) {
+    heading.stamp = stamp(heading.stamp, dice);
+  } else {
+    heading.yaw = number(dice);
+  }
+}
+
 void damage(StaticTransform& transform, Dice& dice) {
   if (dice.one_in(2)) {
     std::swap(transform.parent, transform.child);

@@ -74,8 +74,8 @@ inline MapRevision loops_of_six() {
                                        .figure = 0.12}}};
 }
 
-/// A map with rows in every table: six keyframes, a loop, two fixes, a control point, an anchor, a
-/// place on the Earth, and what its end has changed.
+/// A map with rows in every table: six keyframes, a loop, two fixes and headings, a control point,
+/// an anchor, a place on the Earth, and what its end has changed.
 inline void write_full_map(const std::filesystem::path& file) {
   MapDatabase map(file, MapAccess::write);
   const SessionId session = add_session(map);
@@ -103,7 +103,19 @@ inline void write_full_map(const std::filesystem::path& file) {
   const Georeference world{.origin = {48.0, 11.1, 500.25},
                            .T_world_map = step(3.0, 0.5),
                            .covariance = 2.0 * Matrix6d::Identity()};
-  map.revise({.georeference = world,
+  map.revise({.headings = std::vector<MapHeading>{{.keyframe = 2,
+                                                   .stamp = Nanoseconds(200),
+                                                   .yaw = 0.25,
+                                                   .sigma = 0.0175,
+                                                   .axis_keyframe = Eigen::Vector3d::UnitX(),
+                                                   .information = 100.5},
+                                                  {.keyframe = 4,
+                                                   .stamp = Nanoseconds(400),
+                                                   .yaw = -0.25,
+                                                   .sigma = 0.0175,
+                                                   .axis_keyframe = Eigen::Vector3d::UnitX(),
+                                                   .information = 100.5}},
+              .georeference = world,
               .control = std::vector<ControlPoint>{{.name = "church",
                                                     .role = ControlRole::control,
                                                     .keyframe = 2,
@@ -119,7 +131,11 @@ inline void write_full_map(const std::filesystem::path& file) {
 /// Takes from a map's file what schema 8 did not have.
 inline void make_schema_8(const std::filesystem::path& file) {
   const SqliteDatabase raw(file, SqliteDatabase::Mode::update);
+  raw.execute("DROP TABLE headings");
   for (const ChecksummedTable& table : kChecksummedTables) {
+    if (table.name == std::string_view("headings")) {
+      continue;
+    }
     raw.execute(std::string("ALTER TABLE ") + table.name + " DROP COLUMN checksum");
   }
   raw.execute("PRAGMA user_version = 8");

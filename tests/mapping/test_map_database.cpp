@@ -156,6 +156,37 @@ TEST(MapDatabase, KeepsFixesVerticalsAndThePlaceInTheWorld) {
   EXPECT_TRUE(map.check().empty());
 }
 
+TEST(MapDatabase, KeepsHeadingsForItsGraph) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "map.adit";
+  {
+    MapDatabase map(file, MapAccess::write);
+    const SessionId session = test::add_session(map);
+    map.store(record(0, session));
+    const MapHeading heading{.keyframe = 0,
+                             .stamp = Nanoseconds(17),
+                             .yaw = 0.75,
+                             .sigma = 0.02,
+                             .axis_keyframe = {0.0, 1.0, 0.0},
+                             .information = 1234.5};
+    map.revise({.headings = std::vector{heading, heading}});
+    map.revise({.headings = std::vector{heading}});
+    EXPECT_TRUE(map.graph().headings().empty()) << "the map has no place in the world";
+    map.revise({.georeference = Georeference{.origin = {48.0, 11.1, 500.0}}});
+  }
+  const MapDatabase map(file, MapAccess::read);
+  ASSERT_EQ(map.headings().size(), 1U) << "the later ones have replaced the others";
+  const MapHeading back = map.headings().front();
+  EXPECT_EQ(back.stamp, Nanoseconds(17));
+  EXPECT_EQ(back.yaw, 0.75);
+  EXPECT_EQ(back.sigma, 0.02);
+  EXPECT_EQ(back.axis_keyframe, Eigen::Vector3d::UnitY());
+  ASSERT_EQ(map.graph().headings().size(), 1U);
+  EXPECT_EQ(map.graph().headings()[0].information, 1234.5);
+  EXPECT_NEAR(map.graph().headings()[0].yaw, 0.75, 1e-6);
+  EXPECT_TRUE(map.check().empty());
+}
+
 TEST(MapDatabase, AMapOfTheOlderSchemaIsReadAndItsFirstWriterBringsItToThisOne) {
   const test::TemporaryFolder folder;
   const fs::path file = folder / "map.adit";
@@ -299,11 +330,11 @@ TEST(MapDatabase, RefusesANewerSchemaAndLeavesItAsItIs) {
   { MapDatabase map(file, MapAccess::write); }
   {
     const SqliteDatabase raw(file, SqliteDatabase::Mode::update);
-    raw.execute("PRAGMA user_version = 10");
+    raw.execute("PRAGMA user_version = 11");
   }
   for (const MapAccess access : {MapAccess::read, MapAccess::write}) {
     const std::string error = test::error_of<FileError>([&] { MapDatabase map(file, access); });
-    EXPECT_NE(error.find("its schema is 10, this one knows up to 9"), std::string::npos) << error;
+    EXPECT_NE(error.find("its schema is 11, this one knows up to 10"), std::string::npos) << error;
   }
 }
 

@@ -308,6 +308,8 @@ TEST_F(RowChecksums, RecoverLeavesChangedRowsOutAndCountsThem) {
 }
 
 TEST_F(RowChecksums, AMapWithoutThemIsReadAndItsFirstWriterAddsThem) {
+  SqliteDatabase(file_, SqliteDatabase::Mode::update)
+      .execute("DELETE FROM headings");  // which that schema did not have
   const std::string before = dump_of(MapDatabase(file_, MapAccess::read));
   test::make_schema_8(file_);
   {
@@ -353,7 +355,7 @@ TEST_F(RowChecksums, WhatAnotherProgramWritesIsFound) {
 }
 
 TEST_F(RowChecksums, AHeaderOfAnotherSchemaThanTheTablesIsFound) {
-  for (const int schema : {0, -1, 1, 2, 3, 4, 5, 6, 7, 8, -1000}) {
+  for (const int schema : {0, -1, 1, 2, 3, 4, 5, 6, 7, 8, 9, -1000}) {
     SqliteDatabase(file_, SqliteDatabase::Mode::update)
         .execute("PRAGMA user_version = " + std::to_string(schema));
     for (const MapAccess access : {MapAccess::read, MapAccess::write}) {
@@ -368,12 +370,13 @@ TEST_F(RowChecksums, AHeaderOfAnotherSchemaThanTheTablesIsFound) {
     EXPECT_TRUE(done.problems.empty()) << schema;
     EXPECT_EQ(done.keyframes, 6U) << schema;
   }
-  SqliteDatabase(file_, SqliteDatabase::Mode::update).execute("PRAGMA user_version = 9");
+  SqliteDatabase(file_, SqliteDatabase::Mode::update).execute("PRAGMA user_version = 10");
   test::make_schema_8(file_);
-  SqliteDatabase(file_, SqliteDatabase::Mode::update).execute("PRAGMA user_version = 9");
-  EXPECT_NE(
-      test::error_of<InputError>([&] { static_cast<void>(check(file_)); }).find("schema version 9"),
-      std::string::npos);
+  SqliteDatabase(file_, SqliteDatabase::Mode::update).execute("PRAGMA user_version = 10");
+  EXPECT_NE(test::error_of<InputError>([&] {
+              static_cast<void>(check(file_));
+            }).find("schema version 10"),
+            std::string::npos);
 }
 
 TEST(RowChecksum, TellsValuesApartAndTypesThatSqliteDoesNotKeep) {

@@ -87,6 +87,11 @@ def test_measurements():
     assert adit.BodyVelocity(9, [1.0, 0.0, 0.0]).covariance is None
     with pytest.raises(ValueError, match=r"covariance: has the shape \(3,\), not \(3, 3\)"):
         adit.BodyVelocity(0, [1.0, 0.0, 0.0], np.ones(3))
+    heading = adit.Heading(9, 0.5, 0.02, frame="antenna")
+    assert (heading.stamp, heading.yaw, heading.sigma, heading.frame) == (9, 0.5, 0.02, "antenna")
+    assert adit.Heading(9, 0.5).sigma is None
+    with pytest.raises(ValueError, match="yaw: not finite"):
+        adit.Heading(0, float("inf"))
     sweep = adit.Sweep(CLOUD, np.linspace(0.0, 0.1, 2000), stamp=5, rings=[1] * 2000)
     assert len(sweep) == 2000 and np.array_equal(sweep.points, CLOUD) and sweep.rings[5] == 1
 

@@ -75,6 +75,7 @@ def objects(drive, mapped, room, tmp_path_factory):
         *events[:40], sweeps[0], far_sweep(folder), adit.Sweep(plane[:3], [0.0, 0.1, 0.2], stamp=5, rings=[1, 2, 3],
                                                                doppler=[1.0, math.nan, -1.0], frame="lidar"),
         first(events, adit.GnssFix), adit.BodyVelocity(7, [1.0, math.nan, 0.0], np.eye(3), frame="wheels"),
+        adit.Heading(7, 0.5, 0.02, frame="antenna"),
         *results[-20:], motion, *left_out, placed[0], placed[-1], last, last.registration, *last.registration.translation, last.inertial, report,
         slam.verdict, *map_.sessions, *map_.keyframes, *map_.edges, *map_.fixes, map_.submap(0), map_.georeference,
         trajectory, evaluation, evaluation.ate, *alignments, *recording.topics, adit.estimate_surfaces(plane, 0.5),

@@ -176,6 +176,8 @@ class Corpus {
       add_one(9, velodyne_message(1, 2));
       add_one(10, twist_message(1));
       add_one(11, twist_with_covariance_message(1));
+      add_one(12, quaternion_message(1));
+      add_one(13, sentence_message(1));
     }
   }
 

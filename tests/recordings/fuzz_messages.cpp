@@ -73,10 +73,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
   }
   using namespace adit::ros;
   constexpr void (*kFeeds[])(Encoding, std::span<const std::byte>) = {
-      feed<PointCloud2>,    feed<Imu>,          feed<NavSatFix>,
-      feed<Odometry>,       feed<PoseStamped>,  feed<TFMessage>,
-      feed<LivoxCustomMsg>, feed<Image>,        feed<CameraInfo>,
-      feed<VelodyneScan>,   feed<TwistStamped>, feed<TwistWithCovarianceStamped>};
+      feed<PointCloud2>,       feed<Imu>,          feed<NavSatFix>,
+      feed<Odometry>,          feed<PoseStamped>,  feed<TFMessage>,
+      feed<LivoxCustomMsg>,    feed<Image>,        feed<CameraInfo>,
+      feed<VelodyneScan>,      feed<TwistStamped>, feed<TwistWithCovarianceStamped>,
+      feed<QuaternionStamped>, feed<Sentence>};
   const std::size_t type = (data[0] / 2U) % std::size(kFeeds);
   kFeeds[type](data[0] % 2 == 0 ? Encoding::ros1 : Encoding::cdr,
                std::as_bytes(std::span(data + 1, size - 1)));

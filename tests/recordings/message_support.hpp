@@ -100,6 +100,14 @@ inline ros::TwistWithCovarianceStamped twist_with_covariance_message(uint32_t i)
   return twist;
 }
 
+inline ros::QuaternionStamped quaternion_message(uint32_t i) {
+  return {.header = header(i, "antenna"), .quaternion = {0.0, 0.0, 0.6, 0.8}};
+}
+
+inline ros::Sentence sentence_message(uint32_t i) {
+  return {.header = header(i, "antenna"), .sentence = "$GPHDT,274.07,T*03"};
+}
+
 inline ros::PoseStamped pose_message(uint32_t i) {
   return {.header = header(i, "map"), .pose = {{1.0, 2.0, 0.25 * i}, {0.5, 0.5, 0.5, 0.5}}};
 }

@@ -45,6 +45,8 @@ void for_each_message(Check&& check) {
   check(test::velodyne_message(12, 2));
   check(test::twist_message(13));
   check(test::twist_with_covariance_message(14));
+  check(test::quaternion_message(15));
+  check(test::sentence_message(16));
 }
 
 TEST(RosCodec, EveryMessageIsReadAsItWasWritten) {

@@ -10,6 +10,7 @@
 #include "adit/tools/recordings/recording.hpp"
 #include "adit/tools/simulator/faults.hpp"
 #include "adit/tools/simulator/gnss_model.hpp"
+#include "adit/tools/simulator/heading_model.hpp"
 #include "adit/tools/simulator/imu_model.hpp"
 #include "adit/tools/simulator/simulation.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -116,6 +117,50 @@ TEST(Gnss, OutliersComeWhereTheSkyIsHidden) {
   }
   const double expected = 2.0 * 0.05 * (1.0 - receiver.next().sky);
   EXPECT_NEAR(static_cast<double>(outliers) / kCount, expected, 0.02);
+}
+
+TEST(SimulatedHeadings, ErrByWhatIsAskedForAgainstTrueNorth) {
+  const SplineTrajectory rest = test::at_rest();
+  const auto yaws = [&](const HeadingErrors& errors, int count) {
+    HeadingSimulator source(errors, 1, rest, antenna_mount(), 3);
+    std::vector<double> all;
+    for (int i = 0; i < count; ++i) {
+      all.push_back(source.next().yaw);
+    }
+    return all;
+  };
+  const Vector3d axis = rest.pose(0.0).linear().col(0);
+  const double exact = yaws({.sigma = 0.0}, 1).front();
+  EXPECT_NEAR(exact, std::atan2(axis.y(), axis.x()), 1e-6) << "at the origin north is y";
+  EXPECT_NEAR(yaws({.sigma = 0.0, .offset = 5.0}, 1).front() - exact, std::acos(-1.0) / 36.0, 1e-9);
+  double squares = 0.0;
+  const std::vector<double> noisy = yaws({.sigma = 2.0}, 50000);
+  for (const double yaw : noisy) {
+    squares += (yaw - exact) * (yaw - exact) / 50000.0;
+  }
+  EXPECT_NEAR(std::sqrt(squares) * 180.0 / std::acos(-1.0), 2.0, 0.25) << "800 independent ones";
+  EXPECT_THROW(require_heading_errors({.sigma = -1.0}), UsageError);
+  EXPECT_THROW(require_heading_errors({.offset = 181.0}), UsageError);
+}
+
+TEST(SimulatedHeadings, FaultsChangeThem) {
+  const auto yaw_with = [](Fault fault, int64_t ns) {
+    Heading heading{.stamp = Nanoseconds(ns), .yaw = 1.0};
+    FaultMaker({fault}, 10.0, 5).distort(heading, 0.25);
+    return heading.yaw;
+  };
+  const double right_angle = std::acos(0.0);
+  EXPECT_NEAR(yaw_with(Fault::heading_off_90, 7), 1.0 + right_angle, 1e-12);
+  EXPECT_NEAR(yaw_with(Fault::heading_off_180, 7), 1.0 + 2.0 * right_angle, 1e-12);
+  EXPECT_EQ(yaw_with(Fault::heading_stuck, 7), 0.25);
+  EXPECT_NE(yaw_with(Fault::heading_noisy, 7), yaw_with(Fault::heading_noisy, 8));
+  int outliers = 0;
+  for (int64_t i = 0; i < 2000; ++i) {
+    outliers += yaw_with(Fault::heading_outliers, 200000000 * i) != 1.0 ? 1 : 0;
+  }
+  EXPECT_NEAR(outliers, 200, 60);
+  EXPECT_THROW(require_seen({"heading-stuck"}, 10.0, {}), UsageError);
+  EXPECT_NO_THROW(require_seen({"heading-stuck"}, 10.0, {.heading = true}));
 }
 
 class FaultTest : public testing::Test {

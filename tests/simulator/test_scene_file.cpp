@@ -52,6 +52,9 @@ TEST_F(SceneFileTest, TheExampleSaysTheDefaults) {
   EXPECT_EQ(options.gnss, expected.gnss);
   EXPECT_EQ(options.gnss_rate, expected.gnss_rate);
   EXPECT_EQ(options.p_imu_antenna, expected.p_imu_antenna);
+  EXPECT_EQ(options.heading, expected.heading);
+  EXPECT_EQ(options.heading_errors.sigma, expected.heading_errors.sigma);
+  EXPECT_EQ(options.heading_errors.offset, expected.heading_errors.offset);
   EXPECT_EQ(options.wheels, expected.wheels);
   EXPECT_EQ(options.wheel_rate, expected.wheel_rate);
   EXPECT_TRUE(options.T_imu_wheels.isApprox(wheel_mount()));

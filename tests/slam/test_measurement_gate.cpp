@@ -129,6 +129,19 @@ TEST(MeasurementGate, AVelocityIsLeftOutWhereItSaysNothing) {
   EXPECT_EQ(gate.faults().velocities_left_out, 2U);
 }
 
+TEST(MeasurementGate, AHeadingIsWrappedAndLeftOutWhereItSaysNothing) {
+  MeasurementGate gate;
+  const auto passed = gate.pass(Heading{.yaw = 7.0, .sigma = -1.0});
+  ASSERT_TRUE(passed);
+  EXPECT_NEAR(std::get<Heading>(*passed).yaw, 7.0 - 2.0 * std::acos(-1.0), 1e-12);
+  EXPECT_FALSE(std::get<Heading>(*passed).sigma);
+  EXPECT_FALSE(gate.pass(Heading{.yaw = kNotANumber}));
+  EXPECT_FALSE(gate.pass(Heading{.yaw = kInfinite}));
+  EXPECT_EQ(gate.faults().headings, 3U);
+  EXPECT_EQ(gate.faults().headings_left_out, 2U);
+  EXPECT_EQ(gate.faults().headings_without_sigma, 1U);
+}
+
 TEST(MeasurementGate, ACovarianceOfAVelocityThatNoneCanBeIsNotUsed) {
   MeasurementGate gate;
   const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();

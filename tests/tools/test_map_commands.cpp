@@ -400,7 +400,7 @@ TEST_F(MapCommands, WhatIsNoMapIsSaidToBeNone) {
   const Ran info = ran(info_command, InfoCommandOptions{.map = folder_ / "turn.adit"});
   EXPECT_NE(info.err.find("cannot be looked at: Too many"), std::string::npos) << info.err;
   expect(folder_.write("text.adit", std::string(5000, 'x')), "not a database");
-  SqliteDatabase(map_, SqliteDatabase::Mode::update).execute("PRAGMA user_version = 10");
+  SqliteDatabase(map_, SqliteDatabase::Mode::update).execute("PRAGMA user_version = 11");
   expect(map_, "written by a newer adit");
 }
 

@@ -205,6 +205,37 @@ GivenRecording with_velocities() {
           std::move(events)};
 }
 
+TEST(SensorTopics, HeadingsAreUsedOnlyWhereTheirTopicIsNamed) {
+  const auto heading = [](int i) {
+    const Nanoseconds at = std::chrono::milliseconds(20 * i);
+    return Event{.topic = 1,
+                 .received = at,
+                 .value = Heading{.stamp = at, .yaw = 1.0, .frame = "antenna"},
+                 .bytes = 100,
+                 .frame = "antenna"};
+  };
+  const GivenRecording recording(
+      {kPoints, {"/heading", "geometry_msgs/QuaternionStamped", TopicKind::headings, 100}},
+      events_of({heading}));
+  EXPECT_FALSE(choose_sensors(recording, 0, {}).heading);
+  Config config;
+  config.recording.heading_topic = "/heading";
+  EXPECT_EQ(choose_sensors(recording, 0, config).heading, 1U);
+  EXPECT_EQ(choose_sensors(recording, 0, config).frames.at(1), "antenna");
+  config.gnss.heading = false;
+  EXPECT_FALSE(choose_sensors(recording, 0, config).heading);
+  config.gnss.heading = true;
+  config.recording.heading_topic = "/points";
+  try {
+    choose_sensors(recording, 0, config);
+    FAIL() << "sweeps are no headings";
+  } catch (const UsageError& error) {
+    EXPECT_STREQ(error.what(),
+                 "recording.heading_topic: the recording has no headings on '/points', which has "
+                 "sensor_msgs/PointCloud2; it has headings on /heading.");
+  }
+}
+
 TEST(SensorTopics, VelocitiesAreUsedOnlyWhereTheirTopicIsNamed) {
   const GivenRecording recording = with_velocities();
   EXPECT_FALSE(choose_sensors(recording, 0, {}).velocity);

@@ -47,6 +47,7 @@ std::string lost_of(const MapRecovery& done) {
   add(done.lost_candidates, "candidates");
   add(done.lost_fixes, "fixes");
   add(done.lost_control, "control points");
+  add(done.lost_headings, "headings");
   if (text.empty()) {
     return done.may_lack_more ? "nothing that can be counted; see above" : "see above";
   }

@@ -93,7 +93,7 @@ std::string summary_text(const SimulationOptions& options, const SimulationSumma
       "simulated {} sweeps of {} in {} ({} triangles), {:.1f} m, up to {:.2f} rad/s\n"
       "points    {:.0f} a sweep, {:.1f} % of the pulses\n"
       "imu       {} samples ({}, {} Hz)\n"
-      "gnss      {} fixes\n"
+      "gnss      {} fixes{}\n"
       "{}{}"
       "time      {}, {:.2f} x real time\n",
       summary.sweeps, sensors_of(options), options.scene, summary.triangles, summary.path,
@@ -101,6 +101,7 @@ std::string summary_text(const SimulationOptions& options, const SimulationSumma
       static_cast<double>(summary.points) / static_cast<double>(summary.sweeps),
       100.0 * static_cast<double>(summary.points) / static_cast<double>(summary.pulses),
       summary.imu_samples, options.imu, options.imu_rate, summary.gnss_fixes,
+      options.heading ? fmt::format(", {} headings", summary.headings) : "",
       options.wheels ? fmt::format("wheels    {} velocities ({} Hz)\n", summary.wheel_velocities,
                                    options.wheel_rate)
                      : "",
@@ -249,6 +250,20 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
       command.option("--gnss-rate", simulation.gnss_rate, "Its rate (Hz)")
           .value_name("HZ")
           .show_default();
+  command.flag("--heading", simulation.heading,
+               "Headings of the receiver's two antennas on /heading");
+  const CommandOption heading_sigma =
+      command
+          .option("--heading-sigma", simulation.heading_errors.sigma,
+                  "Their standard deviation (degrees)")
+          .value_name("DEG")
+          .show_default();
+  const CommandOption heading_offset =
+      command
+          .option("--heading-offset", simulation.heading_errors.offset,
+                  "An error that all of them have (degrees, counter-clockwise)")
+          .value_name("DEG")
+          .show_default();
   command.flag("--wheels", simulation.wheels,
                "Velocities of a vehicle's wheels on /wheels, for drive, stop-and-go, moving-start");
   command.flag("--visual-odometry", simulation.visual_odometry,
@@ -273,13 +288,20 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
         end_parsing();
       },
       "Print a scene file with every key and stop");
-  command.action([command, options, imu_rate, gnss_rate, change_seed, done = std::move(done)] {
+  command.action([command, options, imu_rate, gnss_rate, heading_sigma, heading_offset, change_seed,
+                  done = std::move(done)] {
     options->besides_scene_file = command.given_besides({"scene", "--output", "--quiet"});
     if (imu_rate.given() && options->simulation.imu == "none") {
       refuse_option("--imu-rate", "there is no IMU that it is of; leave out --imu none");
     }
     if (gnss_rate.given() && options->simulation.gnss == "none") {
       refuse_option("--gnss-rate", "there is no receiver that it is of; name one with --gnss");
+    }
+    for (const auto& [name, option] :
+         {std::pair("--heading-sigma", heading_sigma), {"--heading-offset", heading_offset}}) {
+      if (option.given() && !options->simulation.heading) {
+        refuse_option(name, "there is no heading that it is of; add it with --heading");
+      }
     }
     if (change_seed.given() && options->simulation.change.share == 0.0) {
       refuse_option("--change-seed", "nothing changes; give the share that does with --change");

@@ -92,7 +92,8 @@ std::vector<Finding> find_in_transforms(const Inspection& inspection) {
   };
   const std::string lidar = frame_of(*inspection.sweeps);
   for (const std::optional<std::size_t>& topic :
-       {inspection.sensors.imu, inspection.sensors.gnss, inspection.sensors.velocity}) {
+       {inspection.sensors.imu, inspection.sensors.gnss, inspection.sensors.velocity,
+        inspection.sensors.heading}) {
     const std::string frame = topic ? frame_of(*topic) : "";
     const auto conflict =
         lidar.empty() || frame.empty() ? std::nullopt : inspection.frames.conflict(frame, lidar);
@@ -101,8 +102,8 @@ std::vector<Finding> find_in_transforms(const Inspection& inspection) {
                           describe(*conflict, "'" + frame + "' on '" + lidar + "'"),
                           "a run uses the shortest chain of transforms, and the latest of equals; "
                           "if that is wrong, mapping with this sensor fails",
-                          "Correct the transforms, or set imu.T_imu_lidar, gnss.antenna or "
-                          "velocity.T_lidar_sensor"});
+                          "Correct the transforms, or set imu.T_imu_lidar, gnss.antenna, "
+                          "velocity.T_lidar_sensor or gnss.heading_mounting"});
     }
   }
   return findings;

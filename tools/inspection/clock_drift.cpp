@@ -93,7 +93,8 @@ std::vector<Finding> find_clock_drift(const std::vector<Topic>& topics,
   for (std::size_t i = 0; i < topics.size() && reference; ++i) {
     const bool sensor = topics[i].kind == TopicKind::imu || topics[i].kind == TopicKind::sweeps ||
                         topics[i].kind == TopicKind::gnss ||
-                        topics[i].kind == TopicKind::velocities;
+                        topics[i].kind == TopicKind::velocities ||
+                        topics[i].kind == TopicKind::headings;
     const auto trend = sensor ? clock_trend(statistics[i].timeline) : std::nullopt;
     if (!trend) {
       continue;

@@ -108,7 +108,8 @@ bool share_a_clock(const std::vector<Topic>& topics, const std::vector<TopicStat
   for (std::size_t i = 0; i < topics.size(); ++i) {
     const TopicKind kind = topics[i].kind;
     const bool sensor = kind == TopicKind::sweeps || kind == TopicKind::imu ||
-                        kind == TopicKind::gnss || kind == TopicKind::velocities;
+                        kind == TopicKind::gnss || kind == TopicKind::velocities ||
+                        kind == TopicKind::headings;
     if (sensor && used[i] && statistics[i].events > 0) {
       const double delay = statistics[i].clock.typical_delay();
       greatest = least ? std::max(greatest, delay) : delay;

@@ -47,6 +47,7 @@ void choose_topics(const Recording& recording, const std::filesystem::path& path
   forget_unknown(config.recording.imu_topic);
   forget_unknown(config.recording.gnss_topic);
   forget_unknown(config.recording.velocity_topic);
+  forget_unknown(config.recording.heading_topic);
   const auto is_unknown = [&](const std::string& name) {
     return std::ranges::find(result.topics, name, &Topic::name) == result.topics.end();
   };
@@ -72,7 +73,8 @@ void choose_topics(const Recording& recording, const std::filesystem::path& path
 Profiles read_all(const Recording& recording, Inspection& result) {
   Profiles profiles;
   uint64_t errors = 0;
-  const auto events = recording.events({.velocities_of = result.sensors.velocity});
+  const auto events = recording.events(
+      {.velocities_of = result.sensors.velocity, .headings_of = result.sensors.heading});
   for (bool more = true; more;) {
     try {
       const std::optional<Event> event = events->next();
@@ -171,12 +173,15 @@ void compare_sensors(const Recording& recording, const std::vector<MotionPair>& 
   }
 }
 
-/// By topic: a run does not pass over it. Velocities are used only where a setting names them.
+/// By topic: a run does not pass over it. Velocities and headings are used only where a setting
+/// names them.
 std::vector<bool> used_topics(const Inspection& inspection) {
   std::vector<bool> used;
   for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
     const Topic& topic = inspection.topics[i];
-    const bool unnamed = topic.kind == TopicKind::velocities && inspection.sensors.velocity != i;
+    const bool unnamed =
+        (topic.kind == TopicKind::velocities && inspection.sensors.velocity != i) ||
+        (topic.kind == TopicKind::headings && inspection.sensors.heading != i);
     used.push_back(!unnamed &&
                    std::ranges::find(inspection.sensors.passed_over, topic.name,
                                      &PassedOver::topic) == inspection.sensors.passed_over.end());

@@ -41,6 +41,7 @@ StampsHandled handled_stamps(const Topic& topic, const StampStatistics& s) {
   return {.repeats = (imu || topic.kind == TopicKind::gnss) && 2 * s.repeated <= s.events,
           .order = imu && s.farthest_back < kSorted,
           .gaps = topic.kind == TopicKind::gnss || topic.kind == TopicKind::velocities ||
+                  topic.kind == TopicKind::headings ||
                   (imu && s.largest_interval <= ImuConfig{}.max_gap)};
 }
 
@@ -89,6 +90,7 @@ void check_stamps(const Topic& topic, const TopicStatistics& statistics, const S
         handled.gaps,
         topic.kind == TopicKind::gnss         ? "the map continues without fixes meanwhile"
         : topic.kind == TopicKind::velocities ? "mapping continues without velocities meanwhile"
+        : topic.kind == TopicKind::headings   ? "the map continues without headings meanwhile"
                                               : "gaps up to imu.max_gap are bridged",
         "the motion within is guessed", "Check the connection and the recorder's load");
   }

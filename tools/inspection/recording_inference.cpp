@@ -86,6 +86,14 @@ std::string velocities_text(const Topic& topic, const TopicStatistics& s, bool u
                     use_text(topic.name);
 }
 
+std::string headings_text(const Topic& topic, const TopicStatistics& s, bool used) {
+  return fmt::format("{} headings", s.headings) +
+         (used ? "; a run uses them together with fixes"
+               : "; a run does not use them, since an orientation does not say what it is measured "
+                 "against; where that is true north: --set recording.heading_topic=" +
+                     topic.name);
+}
+
 bool found(const Inspection& inspection, const std::string& kind, const std::string& topic) {
   return std::ranges::any_of(inspection.findings,
                              [&](const Finding& f) { return f.kind == kind && f.topic == topic; });
@@ -189,6 +197,8 @@ std::vector<Inference> infer(const Inspection& inspection) {
       all.push_back({topic.name, imu_text(s.imu)});
     } else if (s.velocities.speed.count > 0) {
       all.push_back({topic.name, velocities_text(topic, s, inspection.sensors.velocity == i)});
+    } else if (topic.kind == TopicKind::headings && s.headings > 0) {
+      all.push_back({topic.name, headings_text(topic, s, inspection.sensors.heading == i)});
     } else if (has_velocities(topic) && s.events > 0) {
       const bool has_twist = topic.type == std::string_view(ros::Odometry::kType);
       all.push_back({topic.name, (has_twist ? "its twist is a velocity; "

@@ -32,7 +32,7 @@ std::vector<std::string> topics_not_read(const Inspection& inspection) {
 
 bool is_mapped_with(TopicKind kind) {
   return kind == TopicKind::sweeps || kind == TopicKind::imu || kind == TopicKind::gnss ||
-         kind == TopicKind::velocities;
+         kind == TopicKind::velocities || kind == TopicKind::headings;
 }
 
 /// Why the turns of an IMU were not compared with the sweeps'; empty where they were.

@@ -33,6 +33,7 @@ class ContinuedMap final : public MapStore {
   PoseGraph graph() const override { return map_->graph(); }
   std::vector<LoopCandidate> candidates() const override { return map_->candidates(); }
   std::vector<MapFix> fixes() const override { return map_->fixes(); }
+  std::vector<MapHeading> headings() const override { return map_->headings(); }
   std::optional<Georeference> georeference() const override { return map_->georeference(); }
   MapSubmap submap(NodeId keyframe) const override { return map_->submap(keyframe); }
   std::vector<std::byte> chunk(NodeId keyframe, std::size_t number) const override {

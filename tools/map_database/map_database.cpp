@@ -191,6 +191,12 @@ void MapDatabase::revise(const MapRevision& revision) {
   for (const MapFix& fix : revision.fixes) {
     insert(fix);
   }
+  if (revision.headings) {
+    database_.execute("DELETE FROM headings");
+    for (const MapHeading& heading : *revision.headings) {
+      insert(heading);
+    }
+  }
   if (revision.control) {
     database_.execute("DELETE FROM control");
     for (const ControlPoint& point : *revision.control) {
@@ -288,6 +294,20 @@ void MapDatabase::insert(const MapFix& fix) {
       .bind(11, static_cast<int64_t>(fix.verdict))
       .bind(12, fix.chi2)
       .bind(13, as_bytes(square_numbers(fix.information)))
+      .step();
+}
+
+void MapDatabase::insert(const MapHeading& heading) {
+  database_
+      .prepare(
+          "INSERT INTO headings(keyframe, stamp_ns, yaw, sigma, axis, information)"
+          " VALUES(?, ?, ?, ?, ?, ?)")
+      .bind(1, heading.keyframe)
+      .bind(2, int64_t{heading.stamp.count()})
+      .bind(3, heading.yaw)
+      .bind(4, heading.sigma)
+      .bind(5, as_bytes(vector_numbers(heading.axis_keyframe)))
+      .bind(6, heading.information)
       .step();
 }
 

@@ -94,6 +94,7 @@ class MapDatabase final : public MapStore {
   PoseGraph graph() const override;
   std::vector<LoopCandidate> candidates() const override;
   std::vector<MapFix> fixes() const override;
+  std::vector<MapHeading> headings() const override;
   std::optional<Georeference> georeference() const override;
   MapSubmap submap(NodeId keyframe) const override;
   std::vector<std::byte> chunk(NodeId keyframe, std::size_t number) const override;
@@ -116,6 +117,8 @@ class MapDatabase final : public MapStore {
   /// As above.
   std::optional<MapFix> fix(int64_t id) const;
   /// As above.
+  std::optional<MapHeading> heading(int64_t id) const;
+  /// As above.
   std::optional<ControlPoint> control_point(int64_t id) const;
 
   /// Its rows have checksums: it was written by a schema that has them.
@@ -132,6 +135,7 @@ class MapDatabase final : public MapStore {
   void insert(const PoseEdge& edge);
   void insert(const LoopCandidate& candidate);
   void insert(const MapFix& fix);
+  void insert(const MapHeading& heading);
   void insert(const ControlPoint& point);
   void insert(const Georeference& georeference);
   void place(NodeId keyframe, const Eigen::Isometry3d& pose);
@@ -144,6 +148,7 @@ class MapDatabase final : public MapStore {
   PoseEdge edge_at(const SqliteStatement& row) const;
   LoopCandidate candidate_at(const SqliteStatement& row) const;
   MapFix fix_at(const SqliteStatement& row) const;
+  MapHeading heading_at(const SqliteStatement& row) const;
   ControlPoint control_point_at(const SqliteStatement& row) const;
 
   std::optional<WriterLock> lock_;

@@ -203,6 +203,7 @@ class MapDatabase::Check {
     whole &= check_table("keyframes", [&] { return map_.keyframes(); });
     whole &= check_table("edges", [&] { return map_.edges(); });
     whole &= check_table("fixes", [&] { return map_.fixes(); });
+    whole &= check_table("headings", [&] { return map_.headings(); });
     whole &= check_table("control", [&] { return map_.control_points(); });
     whole &= check_table("georeference", [&] { return map_.georeference(); });
     if (whole) {

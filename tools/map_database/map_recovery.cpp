@@ -53,6 +53,7 @@ class Recovery {
     const auto lost_candidates = each("candidates", [&](int64_t id) { take_candidate(id); });
     const auto lost_fixes = each("fixes", [&](int64_t id) { take_fix(id); });
     const auto lost_control = each("control", [&](int64_t id) { take_control_point(id); });
+    const auto lost_headings = each("headings", [&](int64_t id) { take_heading(id); });
     done_.edges = revision_.edges.size();
     done_.candidates = revision_.candidates.size();
     done_.fixes = revision_.fixes.size();
@@ -68,6 +69,7 @@ class Recovery {
     tell_lost("candidates", lost_candidates, done_.lost_candidates);
     tell_lost("fixes", lost_fixes, done_.lost_fixes);
     tell_lost("control", lost_control, done_.lost_control);
+    tell_lost("headings", lost_headings, done_.lost_headings);
     tell_changed();
     tell_unknown();
     return std::move(done_);
@@ -212,6 +214,17 @@ class Recovery {
     }
   }
 
+  void take_heading(int64_t id) {
+    if (const std::optional<MapHeading> heading = source_.heading(id)) {
+      known_keyframes_.insert(heading->keyframe);
+      require(keyframes_.contains(heading->keyframe));
+      if (!revision_.headings) {
+        revision_.headings.emplace();
+      }
+      revision_.headings->push_back(*heading);
+    }
+  }
+
   void take_control_point(int64_t id) {
     if (const std::optional<ControlPoint> point = source_.control_point(id)) {
       known_keyframes_.insert(point->keyframe);
@@ -281,7 +294,7 @@ class Recovery {
     // Each keyframe has a submap: a whole table of those names them all.
     tables["keyframes"].may_lack_more &= tables["submaps"].may_lack_more;
     for (const char* table : {"sessions", "keyframes", "edges", "candidates", "fixes", "control",
-                              "georeference", "anchors", "provenance"}) {
+                              "headings", "georeference", "anchors", "provenance"}) {
       if (tables[table].may_lack_more) {
         done_.problems.push_back(std::string(table) +
                                  ": more may be lost, an unknown number, which nothing else in "

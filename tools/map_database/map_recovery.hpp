@@ -25,6 +25,7 @@ struct MapRecovery {
   std::size_t lost_candidates = 0;
   std::size_t lost_fixes = 0;
   std::size_t lost_control = 0;
+  std::size_t lost_headings = 0;
   bool may_lack_more = false;              ///< of which nothing tells
   std::vector<std::string> damaged_pages;  ///< for people: what could not be read
   std::vector<std::string> problems;       ///< for people: what is lost by that

@@ -99,6 +99,13 @@ constexpr const char* kTableOfControl =
     " marked BLOB NOT NULL, latitude REAL NOT NULL, longitude REAL NOT NULL,"
     " altitude REAL NOT NULL, sigma BLOB NOT NULL);";
 
+// What schema 9 lacks. Axes are in the keyframe's, yaws counter-clockwise from true east.
+constexpr const char* kTableOfHeadings =
+    "CREATE TABLE headings(id INTEGER PRIMARY KEY, keyframe INTEGER NOT NULL REFERENCES "
+    "keyframes(id),"
+    " stamp_ns INTEGER NOT NULL, yaw REAL NOT NULL, sigma REAL NOT NULL, axis BLOB NOT NULL,"
+    " information REAL NOT NULL);";
+
 // Maps had none at first, and where there is none the frames are the same.
 constexpr const char* kTableOfAnchors =
     "CREATE TABLE IF NOT EXISTS anchors(session INTEGER PRIMARY KEY REFERENCES sessions(id),"
@@ -116,7 +123,8 @@ constexpr std::array kNewColumns = {NewColumn{2, "candidates", "rms"},
                                     NewColumn{5, "keyframes", "vertical"},
                                     NewColumn{7, "end_fixes", "antenna"},
                                     NewColumn{8, "control", "sigma"},
-                                    NewColumn{kFirstWithChecksums, "keyframes", "checksum"}};
+                                    NewColumn{kFirstWithChecksums, "keyframes", "checksum"},
+                                    NewColumn{kFirstWithHeadings, "headings", "axis"}};
 
 int64_t pragma(const SqliteDatabase& database, const std::string& name) {
   SqliteStatement statement = database.prepare("PRAGMA " + name);
@@ -196,6 +204,7 @@ void create_map_tables(const SqliteDatabase& map) {
   map.execute(kTablesOfTheWorld);
   map.execute(kTableOfControl);
   map.execute(kTableOfAnchors);
+  map.execute(kTableOfHeadings);
   add_row_checksums(map);
   map.execute("PRAGMA application_id = " + std::to_string(kMapApplication));
   map.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
@@ -231,6 +240,7 @@ void migrate_map(const SqliteDatabase& map) {
     map.execute(kTableOfControl);
   }
   map.execute(kTableOfAnchors);
+  map.execute(kTableOfHeadings);
   add_row_checksums(map);
   map.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
   transaction.commit();

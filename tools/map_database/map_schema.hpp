@@ -11,9 +11,11 @@
 namespace adit {
 
 /// Version of the tables; a file with a higher one is refused.
-inline constexpr int64_t kMapSchema = 9;
+inline constexpr int64_t kMapSchema = 10;
 /// The first one whose rows have checksums.
 inline constexpr int64_t kFirstWithChecksums = 9;
+/// The first one with headings.
+inline constexpr int64_t kFirstWithHeadings = 10;
 /// "adit": the application that the file says it belongs to.
 inline constexpr int64_t kMapApplication = 0x61646974;
 

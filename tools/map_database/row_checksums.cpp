@@ -103,6 +103,7 @@ struct Columns {
   std::string hashed;  ///< all but the checksum, with commas between them
   std::string old;     ///< the same as a trigger names them before an update
   std::string key;     ///< "a = NEW.a AND b = NEW.b" of the primary key
+  bool has_checksum = false;
 };
 
 Columns columns_of(const SqliteDatabase& map, const std::string& table) {
@@ -110,7 +111,9 @@ Columns columns_of(const SqliteDatabase& map, const std::string& table) {
   SqliteStatement rows = map.prepare("SELECT name, pk FROM pragma_table_info('" + table + "')");
   while (rows.step()) {
     const std::string name = rows.text(0);
-    if (name != kChecksumColumn) {
+    if (name == kChecksumColumn) {
+      columns.has_checksum = true;
+    } else {
       columns.hashed.append(columns.hashed.empty() ? "" : ", ").append(name);
       columns.old.append(columns.old.empty() ? "OLD." : ", OLD.").append(name);
     }
@@ -147,6 +150,9 @@ void define_row_checksum(const SqliteDatabase& map) {
 // filled in, so SQLite writes over those bytes alone, however long the row is.
 void add_row_checksums(const SqliteDatabase& map) {
   for (const ChecksummedTable& table : kChecksummedTables) {
+    if (columns_of(map, table.name).has_checksum) {
+      continue;
+    }
     map.execute(std::string("ALTER TABLE ") + table.name +
                 " ADD COLUMN checksum BLOB NOT NULL DEFAULT x'0000000000000000'");
     map.execute(update_of(table.name, columns_of(map, table.name)));
@@ -170,6 +176,9 @@ void keep_row_checksums(const SqliteDatabase& map) {
 std::set<int64_t> rows_without_their_checksum(const SqliteDatabase& map,
                                               const ChecksummedTable& table) {
   std::set<int64_t> keys;
+  if (columns_of(map, table.name).key.empty()) {
+    return keys;
+  }
   SqliteStatement rows = map.prepare(std::string("SELECT ") + table.key + " FROM " + table.name +
                                      " WHERE checksum IS NOT row_checksum(" +
                                      columns_of(map, table.name).hashed + ")");

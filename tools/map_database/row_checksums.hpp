@@ -39,22 +39,24 @@ struct ChecksummedTable {
   const char* key;  ///< the first column of its primary key, an integer
 };
 inline constexpr std::array kChecksummedTables = {
-    ChecksummedTable{"sessions", "id"},     ChecksummedTable{"provenance", "session"},
-    ChecksummedTable{"keyframes", "id"},    ChecksummedTable{"submaps", "keyframe"},
-    ChecksummedTable{"chunks", "keyframe"}, ChecksummedTable{"edges", "id"},
-    ChecksummedTable{"candidates", "id"},   ChecksummedTable{"anchors", "session"},
-    ChecksummedTable{"fixes", "id"},        ChecksummedTable{"control", "id"},
-    ChecksummedTable{"georeference", "id"}, ChecksummedTable{"end_keyframes", "id"},
-    ChecksummedTable{"end_edges", "id"},    ChecksummedTable{"end_candidates", "id"},
-    ChecksummedTable{"end_fixes", "id"},    ChecksummedTable{"end_georeference", "id"}};
+    ChecksummedTable{"sessions", "id"},        ChecksummedTable{"provenance", "session"},
+    ChecksummedTable{"keyframes", "id"},       ChecksummedTable{"submaps", "keyframe"},
+    ChecksummedTable{"chunks", "keyframe"},    ChecksummedTable{"edges", "id"},
+    ChecksummedTable{"candidates", "id"},      ChecksummedTable{"anchors", "session"},
+    ChecksummedTable{"fixes", "id"},           ChecksummedTable{"control", "id"},
+    ChecksummedTable{"headings", "id"},        ChecksummedTable{"georeference", "id"},
+    ChecksummedTable{"end_keyframes", "id"},   ChecksummedTable{"end_edges", "id"},
+    ChecksummedTable{"end_candidates", "id"},  ChecksummedTable{"end_fixes", "id"},
+    ChecksummedTable{"end_georeference", "id"}};
 
 /// SQL of this connection knows row_checksum(VALUE, ...) from now on.
 void define_row_checksum(const SqliteDatabase& map);
-/// Adds the column to every table, and fills it. row_checksum() is defined.
+/// Adds the column to every table that lacks it, and fills it. row_checksum() is defined.
 void add_row_checksums(const SqliteDatabase& map);
 /// From now on this connection keeps the checksums of what it writes. row_checksum() is defined.
 void keep_row_checksums(const SqliteDatabase& map);
-/// Keys of the rows of a table that are not as they were written. row_checksum() is defined.
+/// Keys of the rows of a table that are not as they were written; none where an older schema lacks
+/// the table. row_checksum() is defined.
 /// Throws InputError where the table cannot be read.
 std::set<int64_t> rows_without_their_checksum(const SqliteDatabase& map,
                                               const ChecksummedTable& table);

@@ -53,6 +53,9 @@ void SessionOverMap::revise(const MapRevision& revision) {
                 [&](const LoopCandidate& one) { return !is_between_own(one.from, one.to); });
   std::erase_if(own.poses, [&](const PoseNode& node) { return !is_own(node.id); });
   std::erase_if(own.fixes, [&](const MapFix& fix) { return !is_own(fix.keyframe); });
+  if (own.headings) {
+    std::erase_if(*own.headings, [&](const MapHeading& one) { return !is_own(one.keyframe); });
+  }
   own.georeference.reset();
   own.drops_georeference = false;
   own.statuses.clear();
@@ -89,6 +92,10 @@ std::vector<LoopCandidate> SessionOverMap::candidates() const {
 
 std::vector<MapFix> SessionOverMap::fixes() const {
   return joined(map_->fixes(), own_->fixes());
+}
+
+std::vector<MapHeading> SessionOverMap::headings() const {
+  return joined(map_->headings(), own_->headings());
 }
 
 std::vector<NodeId> SessionOverMap::submaps_within(const Eigen::Vector3d& lower,

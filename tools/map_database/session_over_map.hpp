@@ -30,6 +30,7 @@ class SessionOverMap final : public MapStore {
   PoseGraph graph() const override;
   std::vector<LoopCandidate> candidates() const override;
   std::vector<MapFix> fixes() const override;
+  std::vector<MapHeading> headings() const override;
   std::optional<Georeference> georeference() const override { return map_->georeference(); }
   MapSubmap submap(NodeId keyframe) const override { return of(keyframe).submap(keyframe); }
   std::vector<std::byte> chunk(NodeId keyframe, std::size_t number) const override {

@@ -32,6 +32,7 @@ inline constexpr std::array kShapes = {
     Shape{"candidates", "niiiprrrtrrrrric", 9, true},
     Shape{"fixes", "niiirrrsvrirsc", 13, true},
     Shape{"georeference", "nrrrpmc", 6, true},
+    Shape{"headings", "niirrvrc", 7, true},
     Shape{"control", "ntiivvrrrvc", 10, true},
     Shape{"anchors", "npc", 2, true},
     Shape{"end_keyframes", "nipc", 3, false},

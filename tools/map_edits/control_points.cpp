@@ -220,6 +220,9 @@ PoseGraph without_control(const MapDatabase& map) {
         graph.add_fix(as_measured(fix, frame));
       }
     }
+    for (const MapHeading& heading : map.headings()) {
+      graph.add_heading(as_measured(heading, graph, frame));
+    }
   }
   return graph;
 }

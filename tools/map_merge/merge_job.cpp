@@ -71,6 +71,7 @@ void write_merged(const std::filesystem::path& file, const std::vector<MergeInpu
   out.revise({.edges = world.graph.edges(),
               .candidates = merged.candidates,
               .fixes = world.fixes,
+              .headings = world.headings,
               .georeference = world.georeference,
               .control = world.control});
   for (const SessionId session : complete) {

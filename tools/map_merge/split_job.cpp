@@ -63,6 +63,9 @@ class Share {
                   [&](const LoopCandidate& one) { return !has(one.from) || !has(one.to); });
     rest.fixes = map.fixes();
     std::erase_if(rest.fixes, [&](const MapFix& fix) { return !has(fix.keyframe); });
+    std::vector<MapHeading> headings = map.headings();
+    std::erase_if(headings, [&](const MapHeading& one) { return !has(one.keyframe); });
+    rest.headings = std::move(headings);
     rest.georeference = map.georeference();
     std::vector<ControlPoint> control = map.control_points();
     std::erase_if(control, [&](const ControlPoint& point) { return !has(point.keyframe); });

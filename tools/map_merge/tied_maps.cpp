@@ -27,11 +27,15 @@ std::vector<WorldPart> world_parts(const std::vector<MergeInput>& inputs, const 
     WorldPart world{.first = part.first,
                     .T_part_first = input.keyframes.front().T_map_keyframe,
                     .fixes = input.map->fixes(),
+                    .headings = input.map->headings(),
                     .control = input.map->control_points(),
                     .georeference = input.map->georeference()};
     std::ranges::sort(world.fixes, {}, &MapFix::id);
     for (MapFix& fix : world.fixes) {
       fix.keyframe = part.merged(fix.keyframe);
+    }
+    for (MapHeading& heading : world.headings) {
+      heading.keyframe = part.merged(heading.keyframe);
     }
     for (ControlPoint& point : world.control) {
       point.keyframe = part.merged(point.keyframe);

@@ -24,8 +24,8 @@ from typing import Any, Iterable, Literal, Optional, Sequence, Union
 import numpy.typing as npt
 
 from ._adit import (Aligner, Alignment, BodyVelocity, Config, Device, DeviceError, DoubtfulStretch, Edge, Error,
-                    Evaluation, EventIterator, Georeference, GnssFix, ImuSample, InertialReport, InputError, Keyframe,
-                    LidarMotion, Loop, Map, MapFix, MapReport, MapSession, ObservedDirection, Odometry, OutputError,
+                    Evaluation, EventIterator, Georeference, GnssFix, Heading, ImuSample, InertialReport, InputError,
+                    Keyframe, LidarMotion, Loop, Map, MapFix, MapReport, MapSession, ObservedDirection, Odometry, OutputError,
                     PlacedSweeps, ReadingTaken, Recording, ReferencePose, RegistrationResult, SimulationSummary, Slam,
                     StaticTransform, Statistics, Submap, Surfaces, Sweep, SweepLeftOut, SweepPlaced, SweepResult, Topic,
                     Trajectory, UsageError, Verdict, devices, estimate_surfaces, evaluate, open, presets, simulate,
@@ -38,8 +38,8 @@ _Method = Literal["vgicp", "ndt", "point-to-plane", "ndt-to-ndt"]
 
 __all__ = [
     "Aligner", "Alignment", "BodyVelocity", "Config", "Device", "DeviceError", "DoubtfulStretch", "Edge", "Error",
-    "Evaluation", "EventIterator", "Georeference", "GnssFix", "ImuSample", "InertialReport", "InputError", "Keyframe",
-    "LidarMotion", "Loop", "Map", "MapFix", "MapReport", "MapSession", "ObservedDirection", "Odometry", "OutputError",
+    "Evaluation", "EventIterator", "Georeference", "GnssFix", "Heading", "ImuSample", "InertialReport", "InputError",
+    "Keyframe", "LidarMotion", "Loop", "Map", "MapFix", "MapReport", "MapSession", "ObservedDirection", "Odometry", "OutputError",
     "PlacedSweeps", "ReadingTaken", "Recording", "ReferencePose", "RegistrationResult", "SimulationSummary", "Slam",
     "StaticTransform", "Statistics", "Submap", "Surfaces", "Sweep", "SweepLeftOut", "SweepPlaced", "SweepResult",
     "Topic", "Trajectory", "UsageError", "Verdict", "align", "align_batch", "devices", "estimate_surfaces", "evaluate",

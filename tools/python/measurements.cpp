@@ -270,6 +270,33 @@ void bind_body_velocity(py::module_& module) {
       });
 }
 
+void bind_heading(py::module_& module) {
+  using Held = Measured<Heading>;
+  bind<Heading>(module, "Heading", "Which way the x axis of a sensor points, against true east.")
+      .def(py::init([](int64_t stamp, double yaw, const std::optional<double>& sigma,
+                       const std::string& frame) {
+             if (!std::isfinite(yaw)) {
+               throw py::value_error("yaw: not finite");
+             }
+             return Held{
+                 .value = {.stamp = Nanoseconds(stamp), .yaw = yaw, .sigma = sigma, .frame = frame},
+                 .frame = frame};
+           }),
+           py::arg("stamp"), py::arg("yaw"), py::arg("sigma") = py::none(), py::kw_only(),
+           py::arg("frame") = "",
+           "stamp: ns. yaw: rad, counter-clockwise from true east: pi/2 less a compass's bearing.\n"
+           "sigma: rad; None: the source gives none. ValueError.")
+      .def_property_readonly(
+          "yaw", [](const Held& self) { return self.value.yaw; }, "rad, from true east.")
+      .def_property_readonly(
+          "sigma", [](const Held& self) { return self.value.sigma; },
+          "rad; None: the source gives none.")
+      .def("__repr__", [](const Held& self) {
+        return fmt::format("<adit.Heading {:.4f} rad at {}>", self.value.yaw,
+                           in_seconds(self.value.stamp));
+      });
+}
+
 /// Frames and the pose between them.
 template <class Value>
 void add_transform(py::class_<Measured<Value>>& bound) {
@@ -320,6 +347,7 @@ void bind_measurements(py::module_& module) {
   bind_imu_sample(module);
   bind_gnss_fix(module);
   bind_body_velocity(module);
+  bind_heading(module);
   auto transform = bind<StaticTransform>(module, "StaticTransform", "How two frames are mounted.");
   transform.def(py::init([](std::string parent, std::string child, const py::object& pose) {
                   return Measured<StaticTransform>{

@@ -93,8 +93,8 @@ void close(RecordingFile& recording) {
 
 std::vector<std::size_t> SensorTopics::all() const {
   std::vector<std::size_t> topics{sweeps};
-  for (const std::optional<std::size_t>& other : {imu, gnss, velocity}) {
-    if (other) {
+  for (const std::optional<std::size_t>& other : {imu, gnss, velocity, heading}) {
+    if (other && std::ranges::find(topics, *other) == topics.end()) {
       topics.push_back(*other);
     }
   }
@@ -122,8 +122,11 @@ SensorTopics OpenRecording::sensors() const {
   if (!sensors_) {
     const std::size_t sweeps = sweep_topic(*recording_, path_, config_.recording.sweep_topic);
     RecordedSensors chosen = choose_sensors(*recording_, sweeps, config_);
-    const SensorTopics sensors{
-        .sweeps = sweeps, .imu = chosen.imu, .gnss = chosen.gnss, .velocity = chosen.velocity};
+    const SensorTopics sensors{.sweeps = sweeps,
+                               .imu = chosen.imu,
+                               .gnss = chosen.gnss,
+                               .velocity = chosen.velocity,
+                               .heading = chosen.heading};
     transforms_ = std::move(chosen.transforms.transforms);
     mapped_.emplace(whole_ ? *whole_ : *recording_, chosen.frames);
     merged_.emplace(*mapped_, chosen.sweeps, path_);
@@ -159,7 +162,8 @@ std::unique_ptr<EventStream> OpenRecording::events(const std::vector<std::size_t
 std::unique_ptr<EventStream> OpenRecording::mapped_events() const {
   const SensorTopics chosen = sensors();
   const Recording& mapped = whole_merged_ ? *whole_merged_ : *merged_;
-  return mapped.events({.topics = chosen.all(), .velocities_of = chosen.velocity});
+  return mapped.events(
+      {.topics = chosen.all(), .velocities_of = chosen.velocity, .headings_of = chosen.heading});
 }
 
 std::vector<std::string> OpenRecording::damage() const {

@@ -29,6 +29,7 @@ struct SensorTopics {
   std::optional<std::size_t> imu{};
   std::optional<std::size_t> gnss{};
   std::optional<std::size_t> velocity{};
+  std::optional<std::size_t> heading{};
 
   std::vector<std::size_t> all() const;
 };

@@ -236,6 +236,7 @@ void bind_slam(py::module_& module) {
       .def("add", &add<ImuSample>, py::arg("measurement"))
       .def("add", &add<GnssFix>, py::arg("measurement"))
       .def("add", &add<BodyVelocity>, py::arg("measurement"))
+      .def("add", &add<Heading>, py::arg("measurement"))
       .def("add", &add<StaticTransform>, py::arg("measurement"),
            "Adds a measurement, or how two frames are mounted, and returns what has become known:\n"
            "SweepPlaced, SweepLeftOut and ReadingTaken, in the order of their stamps. Fixes count\n"

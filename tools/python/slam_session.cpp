@@ -121,7 +121,9 @@ std::optional<MapReport> SlamSession::finish_map() {
 }
 
 PlacedSweeps::PlacedSweeps(std::shared_ptr<SlamSession> slam, RecordingFile& recording)
-    : slam_(std::move(slam)), events_(recording.mapped_events()) {
+    : slam_(std::move(slam)),
+      events_(recording.mapped_events()),
+      imu_(recording.opened()->sensors().imu) {
   for (const StaticTransform& transform : recording.opened()->transforms()) {
     slam_->add(transform);
   }
@@ -146,11 +148,15 @@ std::optional<SweepPlaced> PlacedSweeps::next() {
       sweep->number = event->number;
       slam_->add(std::move(*sweep), event->frame);
     } else if (const auto* reading = std::get_if<ImuSample>(&event->value)) {
-      slam_->add(*reading, event->frame);
+      if (imu_ == event->topic) {  // else it came along with a heading
+        slam_->add(*reading, event->frame);
+      }
     } else if (const auto* fix = std::get_if<GnssFix>(&event->value)) {
       slam_->add(*fix, event->frame);
     } else if (const auto* velocity = std::get_if<BodyVelocity>(&event->value)) {
       slam_->add(*velocity, event->frame);
+    } else if (const auto* heading = std::get_if<Heading>(&event->value)) {
+      slam_->add(*heading, event->frame);
     }
   }
 }

@@ -68,6 +68,7 @@ class PlacedSweeps {
   std::mutex mutex_;
   std::shared_ptr<SlamSession> slam_;
   std::shared_ptr<RecordedEvents> events_;
+  std::optional<std::size_t> imu_;  ///< topic of the readings that are used
   bool ended_ = false;
 };
 

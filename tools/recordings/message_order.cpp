@@ -30,7 +30,8 @@ constexpr Nanoseconds kStep = std::chrono::seconds(1);
 /// Topics of measurements, which are put together by their times.
 bool is_measured(const Topic& topic) {
   return topic.kind == TopicKind::sweeps || topic.kind == TopicKind::imu ||
-         topic.kind == TopicKind::gnss || topic.kind == TopicKind::velocities;
+         topic.kind == TopicKind::gnss || topic.kind == TopicKind::velocities ||
+         topic.kind == TopicKind::headings;
 }
 
 bool is_before(Nanoseconds a, Nanoseconds b, Nanoseconds by) {

@@ -262,6 +262,8 @@ class MessageEventStream final : public EventStream {
       ros::MessageEvents events =
           selection_.velocities_of == topic && channel.type == ros::Odometry::kType
               ? ros::to_velocity(channel, message)
+          : selection_.headings_of == topic && channel.type == ros::Imu::kType
+              ? ros::to_reading_and_heading(channel, message)
               : ros::to_events(channel, message, file, reading_of(topic, channel),
                                current_->cameras[message.channel].get());
       for (EventValue& value : events.values) {

@@ -14,6 +14,7 @@ bool begins_with_header(const Channel& channel) {
     case TopicKind::imu:
     case TopicKind::gnss:
     case TopicKind::velocities:
+    case TopicKind::headings:
     case TopicKind::poses:
       return true;
     case TopicKind::transforms:

@@ -25,6 +25,8 @@ std::string_view to_string(TopicKind kind) {
       return "gnss";
     case TopicKind::velocities:
       return "velocities";
+    case TopicKind::headings:
+      return "headings";
     case TopicKind::poses:
       return "poses";
     case TopicKind::transforms:

@@ -28,6 +28,7 @@ enum class TopicKind {
   imu,
   gnss,
   velocities,  ///< of wheels, a radar or another odometry
+  headings,    ///< against true north
   poses,       ///< somebody else's estimate or the truth
   transforms,  ///< static
   other,       ///< nothing that is understood; never part of the stream
@@ -45,7 +46,7 @@ struct Topic {
 
 /// What an event can be.
 using EventValue =
-    std::variant<Sweep, ImuSample, GnssFix, BodyVelocity, ReferencePose, StaticTransform>;
+    std::variant<Sweep, ImuSample, GnssFix, BodyVelocity, ReferencePose, StaticTransform, Heading>;
 
 /// Coordinates (m) that a pose can have: finite, and not so large that a path of them is not.
 inline bool is_position(const Eigen::Vector3d& p) {
@@ -77,6 +78,8 @@ struct EventSelection {
   uint64_t skip = 0;  ///< messages of these topics and times to pass over first, undecoded
   /// This topic of odometry messages gives velocities in place of poses; none: none does.
   std::optional<std::size_t> velocities_of{};
+  /// The orientations of this topic of readings of an IMU are headings, too; none: none's are.
+  std::optional<std::size_t> headings_of{};
   std::optional<double> point_time_unit{};     ///< s; none: inferred from the first sweeps
   std::optional<double> coordinate_scale{};    ///< m of a step of the coordinates; none: metres
   std::optional<uint32_t> floats_per_point{};  ///< of .bin files; none: found by their numbers

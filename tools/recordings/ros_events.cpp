@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <type_traits>
 #include <utility>
 
+#include "adit/tools/packets/nmea_heading.hpp"
 #include "adit/tools/recordings/ros_clouds.hpp"
 #include "adit/tools/recordings/ros_images.hpp"
 #include "adit/tools/recordings/ros_visit.hpp"
@@ -102,6 +104,33 @@ BodyVelocity to_event(const TwistWithCovarianceStamped& twist, const RawMessage&
                   twist.header.frame);
 }
 
+/// The yaw of the x axis in the axes east, north, up. Throws CodecError where the numbers are no
+/// rotation.
+double heading_of(const Quaternion& q) {
+  const Eigen::Vector3d axis = isometry({}, q).linear().col(0);
+  return std::atan2(axis.y(), axis.x());
+}
+
+Heading to_event(const QuaternionStamped& orientation, const RawMessage& message) {
+  return {.stamp = time_of(orientation.header, message),
+          .yaw = heading_of(orientation.quaternion),
+          .frame = orientation.header.frame};
+}
+
+/// Drivers without an orientation say so by -1 in its covariance, or leave zeros in its numbers.
+std::optional<Heading> heading_of(const Imu& imu, const RawMessage& message) {
+  const Quaternion& q = imu.orientation;
+  const bool none = q.x == 0.0 && q.y == 0.0 && q.z == 0.0 && q.w == 0.0;
+  if (none || imu.orientation_covariance[0] < 0.0) {
+    return std::nullopt;
+  }
+  const double variance = imu.orientation_covariance[8];
+  return Heading{.stamp = time_of(imu.header, message),
+                 .yaw = heading_of(q),
+                 .sigma = variance > 0.0 ? std::optional(std::sqrt(variance)) : std::nullopt,
+                 .frame = imu.header.frame};
+}
+
 ReferencePose to_event(const Odometry& odometry, const RawMessage& message) {
   return {.stamp = time_of(odometry.header, message),
           .parent = odometry.header.frame,
@@ -144,6 +173,20 @@ MessageEvents single(const Channel& channel, const RawMessage& message) {
   MessageEvents events;
   events.values.emplace_back(to_event(decoded, message));
   events.frame = std::move(decoded.header.frame);
+  return events;
+}
+
+/// The heading of a sentence that tells one; others are of no use here.
+MessageEvents sentence(const Channel& channel, const RawMessage& message) {
+  const auto decoded = decode<Sentence>(channel.encoding, message.bytes);
+  MessageEvents events;
+  if (const std::optional<NmeaHeading> told = nmea_heading(decoded.sentence)) {
+    events.values.emplace_back(Heading{.stamp = time_of(decoded.header, message),
+                                       .yaw = told->yaw,
+                                       .sigma = told->sigma,
+                                       .frame = decoded.header.frame});
+  }
+  events.frame = decoded.header.frame;
   return events;
 }
 
@@ -224,6 +267,16 @@ EncodedEvent message_of(const BodyVelocity& velocity, Encoding encoding, const s
   return encoded(message, encoding);
 }
 
+EncodedEvent message_of(const Heading& heading, Encoding encoding, const std::string& frame) {
+  QuaternionStamped message;
+  message.header = {.sequence = 0,
+                    .stamp = heading.stamp,
+                    .frame = heading.frame.empty() ? frame : heading.frame};
+  message.quaternion.z = std::sin(0.5 * heading.yaw);
+  message.quaternion.w = std::cos(0.5 * heading.yaw);
+  return encoded(message, encoding);
+}
+
 EncodedEvent message_of(const ReferencePose& pose, Encoding encoding, const std::string&) {
   Odometry message;
   message.header = {.sequence = 0, .stamp = pose.stamp, .frame = pose.parent};
@@ -259,6 +312,9 @@ TopicKind kind_of(const Channel& channel) {
   }
   if (type == TwistStamped::kType || type == TwistWithCovarianceStamped::kType) {
     return TopicKind::velocities;
+  }
+  if (type == QuaternionStamped::kType || type == Sentence::kType) {
+    return TopicKind::headings;
   }
   if (type == TransformStamped::kType || is_transforms(type)) {
     return is_static(channel) ? TopicKind::transforms : TopicKind::poses;
@@ -304,6 +360,12 @@ MessageEvents to_events(const Channel& channel, const RawMessage& message,
   if (type == TwistWithCovarianceStamped::kType) {
     return single<TwistWithCovarianceStamped>(channel, message);
   }
+  if (type == QuaternionStamped::kType) {
+    return single<QuaternionStamped>(channel, message);
+  }
+  if (type == Sentence::kType) {
+    return sentence(channel, message);
+  }
   if (type == Odometry::kType) {
     return single<Odometry>(channel, message);
   }
@@ -326,6 +388,17 @@ MessageEvents to_velocity(const Channel& channel, const RawMessage& message) {
                                       linear_covariance(odometry.twist_covariance),
                                       odometry.child_frame));
   events.frame = odometry.child_frame;
+  return events;
+}
+
+MessageEvents to_reading_and_heading(const Channel& channel, const RawMessage& message) {
+  const auto imu = decode<Imu>(channel.encoding, message.bytes);
+  MessageEvents events;
+  events.values.emplace_back(to_event(imu, message));
+  if (const std::optional<Heading> heading = heading_of(imu, message)) {
+    events.values.emplace_back(*heading);
+  }
+  events.frame = imu.header.frame;
   return events;
 }
 

@@ -49,15 +49,19 @@ MessageEvents to_events(const Channel& channel, const RawMessage& message,
 /// result. Throws CodecError where the message is damaged.
 MessageEvents to_velocity(const Channel& channel, const RawMessage& message);
 
+/// The reading of an IMU, and the heading that its orientation tells where it has one: that of its
+/// x axis in the axes east, north, up. Throws CodecError where the message is damaged.
+MessageEvents to_reading_and_heading(const Channel& channel, const RawMessage& message);
+
 /// A message and its type.
 struct EncodedEvent {
   std::string type;
   std::vector<std::byte> bytes;
 };
 
-/// The event as a message with the frame `frame` (poses, transforms and most velocities name their
-/// own), a sweep with or without the field intensity. Throws CodecError where the encoding cannot
-/// hold its time.
+/// The event as a message (a heading loses its standard deviation) with the frame `frame` (poses,
+/// transforms and most velocities name their own), a sweep with or without the field intensity.
+/// Throws CodecError where the encoding cannot hold its time.
 EncodedEvent from_event(const EventValue& event, Encoding encoding, const std::string& frame,
                         bool with_intensity = true);
 

@@ -118,6 +118,19 @@ struct PoseStamped {
   Pose pose;
 };
 
+struct QuaternionStamped {
+  static constexpr std::string_view kType = "geometry_msgs/QuaternionStamped";
+  Header header;
+  Quaternion quaternion;
+};
+
+/// An NMEA 0183 sentence.
+struct Sentence {
+  static constexpr std::string_view kType = "nmea_msgs/Sentence";
+  Header header;
+  std::string sentence;
+};
+
 struct Path {
   static constexpr std::string_view kType = "nav_msgs/Path";
   Header header;

@@ -36,7 +36,9 @@ constexpr std::array kEntries = {entry<PointCloud2>(),
                                  entry<CameraInfo>(),
                                  entry<VelodyneScan>(),
                                  entry<TwistStamped>(),
-                                 entry<TwistWithCovarianceStamped>()};
+                                 entry<TwistWithCovarianceStamped>(),
+                                 entry<QuaternionStamped>(),
+                                 entry<Sentence>()};
 
 const Entry* find(std::string_view type) {
   if (type == "tf/tfMessage") {

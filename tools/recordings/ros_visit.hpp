@@ -65,6 +65,18 @@ void visit(Archive& archive, IsA<TwistWithCovarianceStamped> auto& message) {
 }
 
 template <class Archive>
+void visit(Archive& archive, IsA<QuaternionStamped> auto& message) {
+  visit(archive, message.header);
+  visit(archive, message.quaternion);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<Sentence> auto& message) {
+  visit(archive, message.header);
+  archive(message.sentence);
+}
+
+template <class Archive>
 void visit(Archive& archive, IsA<PointField> auto& field) {
   archive(field.name, field.offset, field.datatype, field.count);
 }

@@ -30,6 +30,7 @@ struct SeenFrame {
   bool no_gyroscope = true;
   bool fixes = false;   ///< some fix has a position
   bool speeds = false;  ///< some velocity has a number
+  bool points = false;  ///< some heading is there
   std::vector<Nanoseconds> stamps{};
 
   void add(const EventValue& value, Nanoseconds stamp) {
@@ -49,6 +50,8 @@ struct SeenFrame {
       fixes = fixes || (fix->kind != GnssFixKind::none && position);
     } else if (const auto* velocity = std::get_if<BodyVelocity>(&value)) {
       speeds = speeds || velocity->linear.array().isFinite().any();
+    } else if (const auto* heading = std::get_if<Heading>(&value)) {
+      points = points || std::isfinite(heading->yaw);
     }
   }
 
@@ -79,6 +82,9 @@ struct SeenFrame {
     if (kind == TopicKind::velocities) {
       return speeds ? "" : first_ones + "velocities have no numbers";
     }
+    if (kind == TopicKind::headings) {
+      return points ? "" : first_ones + "messages have no heading";
+    }
     if (!turns && !weighs) {
       return first_ones + "readings are all zero";
     }
@@ -107,6 +113,7 @@ void merge_nameless(std::map<std::string, SeenFrame>& frames) {
   most.weighs = most.weighs || unnamed.weighs;
   most.fixes = most.fixes || unnamed.fixes;
   most.speeds = most.speeds || unnamed.speeds;
+  most.points = most.points || unnamed.points;
 }
 
 /// Leaves those out that are as `unusable` says, unless all are.
@@ -126,15 +133,21 @@ std::string plain_frame(const std::string& frame) {
   return frame.substr(std::min(frame.find_first_not_of('/'), frame.size()));
 }
 
-std::vector<SensorSample> first_samples(const Recording& recording, std::size_t topic) {
+std::vector<SensorSample> first_samples(const Recording& recording, std::size_t topic,
+                                        bool headings) {
   const bool of_odometry = recording.topics()[topic].kind == TopicKind::poses;
-  const TopicKind kind = of_odometry ? TopicKind::velocities : recording.topics()[topic].kind;
+  const TopicKind kind = of_odometry ? TopicKind::velocities
+                         : headings  ? TopicKind::headings
+                                     : recording.topics()[topic].kind;
   std::map<std::string, SeenFrame> frames;
   std::size_t seen = 0;
   std::size_t errors = 0;
   EventSelection selection{.topics = {topic}};
   if (of_odometry) {
     selection.velocities_of = topic;
+  }
+  if (headings) {
+    selection.headings_of = topic;
   }
   const auto events = recording.events(selection);
   // Files of sweeps name no frames, and large ones take their time.

@@ -23,11 +23,13 @@ struct SensorSample {
   std::string fault;       ///< why a run cannot use them, a clause; empty where it can
 };
 
-/// The frames of a topic of sweeps, readings, fixes or velocities by its first messages (10, 400,
-/// 50 and 50), the one with most of them first. A topic of odometry counts as one of velocities.
+/// The frames of a topic of sweeps, readings, fixes, velocities or headings by its first messages
+/// (10, 400 and 50), the one with most of them first. A topic of odometry counts as one of
+/// velocities; `headings`: one of an IMU counts as one of headings.
 /// Messages without a frame count for the frame with most. Empty where not one can be read; damage
 /// is passed over.
-std::vector<SensorSample> first_samples(const Recording& recording, std::size_t topic);
+std::vector<SensorSample> first_samples(const Recording& recording, std::size_t topic,
+                                        bool headings = false);
 
 /// Why a run cannot use a topic, by its first messages; empty where it can.
 std::string fault_of_topic(const Recording& recording, std::size_t topic);

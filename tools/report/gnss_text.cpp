@@ -110,6 +110,27 @@ std::string antenna_settings(const AntennaReport& antenna) {
   return text;
 }
 
+constexpr double kDegreesOf = 180.0 / std::numbers::pi;
+
+/// What is wrong with a source of headings, or why it does not count yet.
+std::string why_not_used(const HeadingReport& heading) {
+  switch (heading.state) {
+    case HeadingState::scattered:
+      return fmt::format(
+          "only {} of {} agree on the map's yaw while it turns, half are needed: are they headings "
+          "of this sensor (recording.heading_topic), and is their time that of the sweeps?",
+          heading.agreeing, heading.asked);
+    case HeadingState::contradicted:
+      return fmt::format(
+          "they give the map a yaw that is {:.1f} degrees (+- {:.1f}) from the one by its fixes: "
+          "is their mounting right (gnss.heading_mounting), and are they against true north?",
+          heading.offset.value_or(0.0) * kDegreesOf, heading.offset_sigma * kDegreesOf);
+    default:
+      return heading.headings == 0 ? "none falls between the sweeps"
+                                   : "the map has no place in the world";
+  }
+}
+
 nlohmann::ordered_json antenna_json(const AntennaReport& antenna) {
   nlohmann::ordered_json parts;
   for (std::size_t i = 0; i < kAntennaParts.size(); ++i) {
@@ -168,6 +189,45 @@ std::string describe(const ReceiverJump& jump) {
       jump.distance, jump.time, jump.before, jump.after);
 }
 
+bool is_refused(const HeadingReport& heading) {
+  return heading.state == HeadingState::scattered || heading.state == HeadingState::contradicted;
+}
+
+std::string describe(const HeadingReport& heading) {
+  if (heading.headings + heading.outside + heading.left_out == 0) {
+    return "";
+  }
+  const auto count = [&](HeadingVerdict verdict) {
+    return heading.verdicts[static_cast<std::size_t>(verdict)];
+  };
+  std::string text =
+      fmt::format("{} of {} headings used", count(HeadingVerdict::used), heading.headings);
+  for (std::size_t i = 0; i < kHeadingVerdicts; ++i) {
+    const auto verdict = static_cast<HeadingVerdict>(i);
+    if (verdict != HeadingVerdict::used && count(verdict) > 0) {
+      text += fmt::format(", {} {}", count(verdict), to_string(verdict));
+    }
+  }
+  if (heading.left_out > 0) {
+    text += fmt::format(", {} not finite", heading.left_out);
+  }
+  if (heading.outside > 0) {
+    text += fmt::format(", {} outside of the sweeps' time", heading.outside);
+  }
+  if (is_refused(heading)) {
+    return text + "; the source is refused: " + why_not_used(heading);
+  }
+  if (heading.state != HeadingState::used) {
+    return text + "; " + why_not_used(heading);
+  }
+  text += fmt::format("; left {:.2f} degrees (rms)", heading.innovation * kDegreesOf);
+  if (heading.offset) {
+    text += fmt::format(", {:.2f} degrees (+- {:.2f}) from the yaw by fixes alone",
+                        *heading.offset * kDegreesOf, heading.offset_sigma * kDegreesOf);
+  }
+  return text + (heading.placed ? "; the map's first place came by them" : "");
+}
+
 std::string describe(const GnssReport& gnss) {
   const std::size_t used = count(gnss, FixVerdict::used);
   std::string text = fmt::format("{} of {} fixes used", used, gnss.fixes);
@@ -203,6 +263,30 @@ std::string describe(const GnssReport& gnss) {
                     world.origin.latitude, world.origin.longitude, world.origin.altitude);
 }
 
+nlohmann::ordered_json to_json(const HeadingReport& heading) {
+  nlohmann::ordered_json verdicts;
+  for (std::size_t i = 0; i < kHeadingVerdicts; ++i) {
+    verdicts[std::string(to_string(static_cast<HeadingVerdict>(i)))] = heading.verdicts[i];
+  }
+  const nlohmann::ordered_json unknown;
+  return {{"headings", heading.headings},
+          {"outside", heading.outside},
+          {"not_finite", heading.left_out},
+          {"state", to_string(heading.state)},
+          {"verdicts", verdicts},
+          {"asked", heading.asked},
+          {"agreeing", heading.agreeing},
+          {"innovation_deg", heading.state == HeadingState::used
+                                 ? nlohmann::ordered_json(heading.innovation * kDegreesOf)
+                                 : unknown},
+          {"offset_deg",
+           heading.offset ? nlohmann::ordered_json(*heading.offset * kDegreesOf) : unknown},
+          {"offset_sigma_deg",
+           heading.offset ? nlohmann::ordered_json(heading.offset_sigma * kDegreesOf) : unknown},
+          {"placed_the_map", heading.placed},
+          {"text", describe(heading)}};
+}
+
 nlohmann::ordered_json to_json(const GnssReport& gnss) {
   nlohmann::ordered_json verdicts;
   for (std::size_t i = 0; i < kFixVerdicts; ++i) {
@@ -220,6 +304,9 @@ nlohmann::ordered_json to_json(const GnssReport& gnss) {
                     {"distance_m", gnss.jump->distance},
                     {"fixes_before", gnss.jump->before},
                     {"fixes_after", gnss.jump->after}};
+  }
+  if (!describe(gnss.heading).empty()) {
+    json["headings"] = to_json(gnss.heading);
   }
   if (!gnss.georeference) {
     json["georeference"] = nullptr;

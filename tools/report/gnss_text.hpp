@@ -21,4 +21,10 @@ std::string describe(const ReceiverJump& jump);
 std::string describe_antenna(const GnssReport& gnss);
 nlohmann::ordered_json to_json(const GnssReport& gnss);
 
+/// One line on a run's headings: how many count, or why their source is refused; empty: none.
+std::string describe(const HeadingReport& heading);
+/// The source is refused as a whole.
+bool is_refused(const HeadingReport& heading);
+nlohmann::ordered_json to_json(const HeadingReport& heading);
+
 }  // namespace adit

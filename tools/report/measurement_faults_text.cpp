@@ -29,6 +29,12 @@ std::vector<std::string> describe(const MeasurementFaults& faults) {
   add(faults.velocities_without_covariance,
       fmt::format("{} of {} velocities have a covariance that none can be; velocity.sigma was used",
                   faults.velocities_without_covariance, faults.velocities));
+  add(faults.headings_left_out, fmt::format("{} of {} headings are not finite and were left out",
+                                            faults.headings_left_out, faults.headings));
+  add(faults.headings_without_sigma,
+      fmt::format("{} of {} headings have a deviation that is not finite or not positive; "
+                  "gnss.heading_sigma was used",
+                  faults.headings_without_sigma, faults.headings));
   add(faults.intensities,
       fmt::format("the intensity of {} points is not finite; 0 was used", faults.intensities));
   add(faults.times, fmt::format("the time of {} points is not finite or beyond an hour; these "
@@ -45,6 +51,8 @@ nlohmann::ordered_json to_json(const MeasurementFaults& faults) {
           {"fixes_without_covariance", faults.fixes_without_covariance},
           {"velocities_left_out", faults.velocities_left_out},
           {"velocities_without_covariance", faults.velocities_without_covariance},
+          {"headings_left_out", faults.headings_left_out},
+          {"headings_without_sigma", faults.headings_without_sigma},
           {"point_intensities", faults.intensities},
           {"point_times", faults.times},
           {"static_transforms", faults.transforms}};

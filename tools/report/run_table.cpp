@@ -239,6 +239,8 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
       text += "gnss     " + as_rows(describe(outcome.result.map->gnss)) + "\n";
       const std::string antenna = describe_antenna(outcome.result.map->gnss);
       text += antenna.empty() ? "" : "antenna  " + as_rows(antenna) + "\n";
+      const std::string heading = describe(outcome.result.map->gnss.heading);
+      text += heading.empty() ? "" : "heading  " + as_rows(heading) + "\n";
     }
   }
   text += "time     " + as_rows(host_times(statistics, outcome.result.map.has_value())) + "\n";

@@ -304,6 +304,7 @@ MappedRun map(const RunCommandOptions& options, const PreparedRun& run, JobOutpu
                   .imu_topic = run.sensors.imu,
                   .gnss_topic = run.gnss,
                   .velocity_topic = run.sensors.velocity,
+                  .heading_topic = run.config.mapping.enabled ? run.sensors.heading : std::nullopt,
                   .slam = *slam,
                   .stop = [&] { return !run.source.ends_by_itself && StopSignal::received() != 0; },
                   .damaged = damaged,

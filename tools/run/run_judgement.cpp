@@ -45,6 +45,9 @@ int judge_run(const RunOutcome& outcome, const RunStatistics& statistics, const 
   if (outcome.result.map && outcome.result.map->gnss.jump) {
     err << "adit run: warning: " << describe(*outcome.result.map->gnss.jump) << std::endl;
   }
+  if (outcome.result.map && is_refused(outcome.result.map->gnss.heading)) {
+    err << "adit run: warning: " << describe(outcome.result.map->gnss.heading) << std::endl;
+  }
   if (statistics.left_out().any()) {
     err << "adit run: warning: left out: " << statistics.left_out().text() << std::endl;
   }

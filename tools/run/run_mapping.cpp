@@ -152,7 +152,7 @@ void write_results(const Mapping& mapping, Mapped& done) {
 
 /// Sensors besides the range sensor.
 bool has_others(const Mapping& mapping) {
-  return mapping.imu_topic || mapping.gnss_topic || mapping.velocity_topic;
+  return mapping.imu_topic || mapping.gnss_topic || mapping.velocity_topic || mapping.heading_topic;
 }
 
 void add(const Mapping& mapping, Event event, Mapped& done) {
@@ -180,11 +180,15 @@ void add(const Mapping& mapping, Event event, Mapped& done) {
     done.newest = std::max(done.newest.value_or(sweep->stamp), sweep->stamp);
     mapping.slam.add(std::move(*sweep), event.frame);
   } else if (const auto* reading = std::get_if<ImuSample>(&event.value)) {
-    mapping.slam.add(*reading, event.frame);
+    if (event.topic == mapping.imu_topic) {  // else it came along with a heading
+      mapping.slam.add(*reading, event.frame);
+    }
   } else if (const auto* fix = std::get_if<GnssFix>(&event.value)) {
     mapping.slam.add(*fix, event.frame);
   } else if (const auto* velocity = std::get_if<BodyVelocity>(&event.value)) {
     mapping.slam.add(*velocity, event.frame);
+  } else if (const auto* heading = std::get_if<Heading>(&event.value)) {
+    mapping.slam.add(*heading, event.frame);
   }
 }
 
@@ -192,10 +196,12 @@ std::unique_ptr<EventStream> open_events(const Mapping& mapping) {
   if (!has_others(mapping)) {
     return mapping.recording.events({.topics = {mapping.topic}, .skip = mapping.range.first});
   }
-  EventSelection selection{.topics = {mapping.topic}, .velocities_of = mapping.velocity_topic};
+  EventSelection selection{.topics = {mapping.topic},
+                           .velocities_of = mapping.velocity_topic,
+                           .headings_of = mapping.heading_topic};
   for (const std::optional<std::size_t>& other :
-       {mapping.imu_topic, mapping.gnss_topic, mapping.velocity_topic}) {
-    if (other) {
+       {mapping.imu_topic, mapping.gnss_topic, mapping.velocity_topic, mapping.heading_topic}) {
+    if (other && std::ranges::find(selection.topics, *other) == selection.topics.end()) {
       selection.topics.push_back(*other);
     }
   }

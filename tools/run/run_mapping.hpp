@@ -36,6 +36,7 @@ struct Mapping {
   std::optional<std::size_t> imu_topic{};       ///< none: there is none, or it is not used
   std::optional<std::size_t> gnss_topic{};      ///< likewise
   std::optional<std::size_t> velocity_topic{};  ///< likewise
+  std::optional<std::size_t> heading_topic{};   ///< likewise
   Slam& slam;
   std::function<bool()> stop;  ///< asked before each event is taken
   /// Gets what is damaged, and the run goes on behind it; empty: damage ends the run.

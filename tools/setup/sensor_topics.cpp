@@ -33,12 +33,13 @@ struct CandidateList {
   std::vector<PassedOver> silent{};  ///< topics without messages
 };
 
-void add_candidates(const Recording& recording, std::size_t topic, CandidateList& list) {
+void add_candidates(const Recording& recording, std::size_t topic, CandidateList& list,
+                    bool headings = false) {
   if (recording.topics()[topic].messages == 0U) {
     list.silent.push_back({recording.topics()[topic].name, kNoMessages});
     return;
   }
-  std::vector<SensorSample> samples = first_samples(recording, topic);
+  std::vector<SensorSample> samples = first_samples(recording, topic, headings);
   if (samples.empty()) {
     samples.emplace_back().fault = "not one of its first messages can be read";
   }
@@ -69,30 +70,33 @@ CandidateList candidates_of(const Recording& recording, TopicKind kind,
   return list;
 }
 
-/// The topics of velocities that the setting names; throws UsageError where there are none.
-CandidateList velocities_of(const Recording& recording, const std::string& name) {
+/// The topics that the setting names of those that `has` takes; throws UsageError where there are
+/// none. `what` they have, for people.
+CandidateList named_topics(const Recording& recording, const std::string& name,
+                           const std::string& setting, const std::string& what,
+                           bool (*has)(const Topic&)) {
   CandidateList list;
   std::string known;
   std::string type;
   bool found = false;
   for (std::size_t i = 0; i < recording.topics().size(); ++i) {
     const Topic& topic = recording.topics()[i];
-    if (has_velocities(topic)) {
+    if (has(topic)) {
       known += (known.empty() ? "" : ", ") + topic.name;
     }
     if (topic.name != name) {
       continue;
     }
     type = topic.type;
-    if (has_velocities(topic)) {
+    if (has(topic)) {
       found = true;
-      add_candidates(recording, i, list);
+      add_candidates(recording, i, list, has == has_headings);
     }
   }
   if (!found) {
-    throw UsageError("recording.velocity_topic: the recording has no velocities on '" + name + "'" +
+    throw UsageError(setting + ": the recording has no " + what + " on '" + name + "'" +
                      (type.empty() ? "" : ", which has " + type) + "; " +
-                     (known.empty() ? "it has none" : "it has velocities on " + known) + ".");
+                     (known.empty() ? "it has none" : "it has " + what + " on " + known) + ".");
   }
   return list;
 }
@@ -221,6 +225,11 @@ bool has_velocities(const Topic& topic) {
           (topic.type == ros::Odometry::kType || topic.type == ros::PoseStamped::kType));
 }
 
+bool has_headings(const Topic& topic) {
+  return topic.kind == TopicKind::headings ||
+         (topic.kind == TopicKind::imu && topic.type == ros::Imu::kType);
+}
+
 RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
                                const Config& config) {
   RecordedSensors chosen;
@@ -255,10 +264,16 @@ RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
   }
   CandidateList velocities;
   if (config.velocity.use && config.recording.velocity_topic) {
-    velocities = velocities_of(recording, *config.recording.velocity_topic);
+    velocities = named_topics(recording, *config.recording.velocity_topic,
+                              "recording.velocity_topic", "velocities", has_velocities);
+  }
+  CandidateList headings;
+  if (config.gnss.use && config.gnss.heading && config.recording.heading_topic) {
+    headings = named_topics(recording, *config.recording.heading_topic, "recording.heading_topic",
+                            "headings", has_headings);
   }
   const std::vector<std::string> of_lidars = frames;
-  for (const CandidateList* list : {&imus, &receivers, &velocities}) {
+  for (const CandidateList* list : {&imus, &receivers, &velocities, &headings}) {
     for (const SensorCandidate& one : list->candidates) {
       frames.push_back(one.sample.frame);
     }
@@ -283,6 +298,13 @@ RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
   }
   for (SensorCandidate& one : receivers.candidates) {
     one.sample.rate = 0.0;  // a slower receiver is no worse
+  }
+  for (SensorCandidate& one : headings.candidates) {
+    one.connected = config.gnss.heading_mounting || is_connected(one);
+  }
+  if (const auto heading = best_of(recording, headings, chosen.passed_over)) {
+    chosen.heading = heading->topic;
+    keep_frame(heading->topic, heading->sample.frame);
   }
   if (const auto imu = best_of(recording, imus, chosen.passed_over)) {
     chosen.imu = imu->topic;

@@ -29,6 +29,9 @@ struct RecordedSensors {
   std::optional<std::size_t> gnss{};  ///< likewise, with gnss.use
   /// Velocities, or odometry whose twist they are; none unless recording.velocity_topic names it.
   std::optional<std::size_t> velocity{};
+  /// Headings, or readings of an IMU whose orientations they are; none unless
+  /// recording.heading_topic names it.
+  std::optional<std::size_t> heading{};
   /// By topic: the frame whose messages are used, of the sweeps, too; empty names are left out.
   std::map<std::size_t, std::string> frames{};
   RecordedTransforms transforms{};
@@ -39,13 +42,17 @@ struct RecordedSensors {
 /// IMUs the one is chosen whose readings can be used, whose frame transforms connect with that of
 /// the sweeps, and whose rate is higher, in this order; of several receivers the first with a fix.
 /// recording.imu_topic and recording.gnss_topic choose themselves. Velocities are used of
-/// recording.velocity_topic alone: such messages may be commands. Throws UsageError where the
+/// recording.velocity_topic alone: such messages may be commands; headings likewise of
+/// recording.heading_topic. Throws UsageError where the
 /// recording lacks a topic that is named, or a further range sensor has no mounting.
 RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
                                const Config& config);
 
 /// Whether velocities can be read of a topic: it has messages of them, or poses of one frame.
 bool has_velocities(const Topic& topic);
+
+/// Whether headings can be read of a topic: it has messages of them, or readings of an IMU.
+bool has_headings(const Topic& topic);
 
 /// "/camera/imu is not used: it has no messages".
 std::string describe(const PassedOver& passed_over);

@@ -23,7 +23,8 @@ enum class RandomStream : uint64_t {
   change,
   wheels,
   doppler,
-  odometry
+  odometry,
+  heading
 };
 
 /// Random numbers that are functions of (seed, stream, index): whichever thread asks for number

@@ -19,7 +19,7 @@
 namespace adit {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Fault>, 27> kFaults{
+constexpr std::array<std::pair<std::string_view, Fault>, 32> kFaults{
     {{"clock-offset", Fault::clock_offset},
      {"clock-drift", Fault::clock_drift},
      {"gap", Fault::gap},
@@ -38,6 +38,11 @@ constexpr std::array<std::pair<std::string_view, Fault>, 27> kFaults{
      {"gaps", Fault::gaps},
      {"odometry-leap", Fault::odometry_leap},
      {"odometry-lost", Fault::odometry_lost},
+     {"heading-off-90", Fault::heading_off_90},
+     {"heading-off-180", Fault::heading_off_180},
+     {"heading-noisy", Fault::heading_noisy},
+     {"heading-stuck", Fault::heading_stuck},
+     {"heading-outliers", Fault::heading_outliers},
      {"wheel-scale", Fault::wheel_scale},
      {"wheel-slip", Fault::wheel_slip},
      {"wheel-stuck", Fault::wheel_stuck},
@@ -53,6 +58,8 @@ constexpr std::array kOfImu{Fault::clock_offset, Fault::clock_drift,  Fault::reo
                             Fault::wrong_units,  Fault::swapped_axes, Fault::shock,
                             Fault::rare_spikes,  Fault::spikes,       Fault::many_spikes,
                             Fault::gaps};
+constexpr std::array kOfHeading{Fault::heading_off_90, Fault::heading_off_180, Fault::heading_noisy,
+                                Fault::heading_stuck, Fault::heading_outliers};
 constexpr Fault kFirstOfWheels = Fault::wheel_scale;  // and all after it
 constexpr std::array kSpikes{Fault::rare_spikes, Fault::spikes, Fault::many_spikes};
 
@@ -190,6 +197,11 @@ void require_seen(const std::vector<std::string>& names, double duration,
                        " is one of the visual odometry, and there is none. --visual-odometry, or "
                        "use in [visual_odometry] of a scene file, adds it.");
     }
+    if (!senses.heading && std::ranges::count(kOfHeading, fault) > 0) {
+      throw UsageError(name +
+                       " is one of the heading, and there is none. --heading, or heading in [gnss] "
+                       "of a scene file, adds it.");
+    }
     if (fault == Fault::shock && duration <= kFirstBlow) {
       throw UsageError("shock: the first blow comes after 3 s. Choose a longer duration.");
     }
@@ -320,6 +332,29 @@ void FaultMaker::distort(ReferencePose& pose) const {
   }
   if (has(Fault::odometry_lost) && seconds >= 0.4 * duration_ && seconds < 0.4 * duration_ + 5.0) {
     pose.T_parent_child = Eigen::Isometry3d::Identity();
+  }
+}
+
+void FaultMaker::distort(Heading& heading, double first) const {
+  constexpr double kNoise = 20.0 * kDegree;
+  constexpr double kOutliers = 0.1;
+  constexpr uint64_t kOfFaults = uint64_t{1} << 40U;
+  const auto index = kOfFaults + static_cast<uint64_t>(heading.stamp.count());
+  const CounterRandom random(seed_, RandomStream::heading);
+  if (has(Fault::heading_off_90)) {
+    heading.yaw += 90.0 * kDegree;
+  }
+  if (has(Fault::heading_off_180)) {
+    heading.yaw += 180.0 * kDegree;
+  }
+  if (has(Fault::heading_noisy)) {
+    heading.yaw += kNoise * random.gaussians(counter(index, 15)).x();
+  }
+  if (has(Fault::heading_outliers) && random.uniform(counter(index, 14)) < kOutliers) {
+    heading.yaw += 360.0 * kDegree * random.uniform(counter(index, 13));
+  }
+  if (has(Fault::heading_stuck)) {
+    heading.yaw = first;
   }
 }
 

@@ -232,19 +232,29 @@ void read_gnss(const Reader& reader, const toml::table& table, SimulationOptions
     reader.refuse(table.begin()->first.source().begin, "there is no receiver that it is of",
                   "Name one: receiver = \"" + gnss_names().front() + "\"");
   }
-  reader.read(table, {{"receiver",
-                       [&](const auto& node) {
-                         options.gnss = reader.text(node);
-                         if (options.gnss != "none") {
-                           gnss_named(options.gnss);
-                         }
-                       }},
-                      {"rate",
-                       [&](const auto& node) {
-                         require_gnss_rate(options.gnss_rate = reader.whole_number(node));
-                       }},
-                      {"position",
-                       [&](const auto& node) { options.p_imu_antenna = reader.vector(node); }}});
+  reader.read(table,
+              {{"receiver",
+                [&](const auto& node) {
+                  options.gnss = reader.text(node);
+                  if (options.gnss != "none") {
+                    gnss_named(options.gnss);
+                  }
+                }},
+               {"rate",
+                [&](const auto& node) {
+                  require_gnss_rate(options.gnss_rate = reader.whole_number(node));
+                }},
+               {"position", [&](const auto& node) { options.p_imu_antenna = reader.vector(node); }},
+               {"heading", [&](const auto& node) { options.heading = reader.truth(node); }},
+               {"heading_sigma",
+                [&](const auto& node) {
+                  options.heading_errors.sigma = reader.number(node);
+                  require_heading_errors(options.heading_errors);
+                }},
+               {"heading_offset", [&](const auto& node) {
+                  options.heading_errors.offset = reader.number(node);
+                  require_heading_errors(options.heading_errors);
+                }}});
 }
 
 void read_visual_odometry(const Reader& reader, const toml::table& table,
@@ -323,7 +333,8 @@ SimulationOptions read_scene_file(const std::filesystem::path& file) {
     require_seen(options.faults, options.duration,
                  {.imu = options.imu != "none",
                   .wheels = options.wheels,
-                  .visual_odometry = options.visual_odometry});
+                  .visual_odometry = options.visual_odometry,
+                  .heading = options.heading});
   } catch (const UsageError& error) {
     reader.refuse(*table.get("faults"), error);
   }
@@ -375,6 +386,9 @@ rate = 200  # Hz
 receiver = "none"
 rate = 5  # Hz
 position = [-0.2, 0.05, 0.35]  # m, of the antenna in the IMU's frame
+heading = false  # headings by two antennas, on /heading
+heading_sigma = 1.0  # degrees
+heading_offset = 0.0  # degrees, counter-clockwise, the same throughout
 
 [wheels]
 use = false  # velocities of a vehicle on /wheels

@@ -50,8 +50,17 @@ void check(const SimulationOptions& options) {
     require_seen(options.faults, options.duration,
                  {.imu = options.imu != "none",
                   .wheels = options.wheels,
-                  .visual_odometry = options.visual_odometry});
+                  .visual_odometry = options.visual_odometry,
+                  .heading = options.heading});
   });
+  if (options.heading) {
+    check_option("--heading", [&] {
+      require_heading_errors(options.heading_errors);
+      if (options.gnss == "none") {
+        throw UsageError("there is no receiver that it is of; name one with --gnss.");
+      }
+    });
+  }
   if (options.wheels) {
     check_option("--wheels", [&] {
       require_wheels(motion_named(options.trajectory));
@@ -183,6 +192,7 @@ struct Tracks {
   std::optional<GnssTrack> gnss{};
   std::optional<WheelTrack> wheels{};
   std::optional<PoseTrack> odometry{};
+  std::optional<HeadingTrack> heading{};
 
   /// What they measure before `end`, in the order of time.
   void write_until(Nanoseconds end, SimulationRecorder& recorder, SimulationSummary& summary) {
@@ -190,7 +200,8 @@ struct Tracks {
       return track ? track->time() : Nanoseconds::max();
     };
     const auto first = [&] {
-      return std::min({imu.time(), time_of(gnss), time_of(wheels), time_of(odometry)});
+      return std::min(
+          {imu.time(), time_of(gnss), time_of(wheels), time_of(odometry), time_of(heading)});
     };
     for (Nanoseconds next = first(); next < end; next = first()) {
       if (next == imu.time()) {
@@ -199,6 +210,8 @@ struct Tracks {
         gnss->write_next(recorder, summary);
       } else if (next == time_of(wheels)) {
         wheels->write_next(recorder, summary);
+      } else if (next == time_of(heading)) {
+        heading->write_next(recorder, summary);
       } else {
         odometry->write_next(recorder, summary);
       }
@@ -270,6 +283,9 @@ SimulationSummary simulate(const SimulationOptions& options,
   Tracks tracks{.imu = ImuTrack(options, files, trajectory, fault_maker)};
   if (options.gnss != "none") {
     tracks.gnss.emplace(options, files, trajectory, first.still(), fault_maker);
+  }
+  if (options.heading) {
+    tracks.heading.emplace(options, trajectory, fault_maker);
   }
   if (options.wheels) {
     tracks.wheels.emplace(options, files, trajectory, fault_maker);

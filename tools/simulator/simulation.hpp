@@ -18,6 +18,7 @@
 #include "adit/tools/containers/compression.hpp"
 #include "adit/tools/simulator/crossings.hpp"
 #include "adit/tools/simulator/gnss_model.hpp"
+#include "adit/tools/simulator/heading_model.hpp"
 #include "adit/tools/simulator/odometry_model.hpp"
 #include "adit/tools/simulator/range_simulator.hpp"
 #include "adit/tools/simulator/scene_change.hpp"
@@ -55,6 +56,8 @@ struct SimulationOptions {
   std::string gnss = "none";       ///< "none": no receiver
   int gnss_rate = 5;               ///< Hz
   Eigen::Vector3d p_imu_antenna = antenna_mount();
+  bool heading = false;  ///< of the receiver, by two antennas, on /heading
+  HeadingErrors heading_errors{};
   bool wheels = false;  ///< of a vehicle, on /wheels
   int wheel_rate = 50;  ///< Hz
   Eigen::Isometry3d T_imu_wheels = wheel_mount();
@@ -106,6 +109,7 @@ struct SimulationSummary {
   std::size_t pulses = 0;
   std::size_t imu_samples = 0;
   std::size_t gnss_fixes = 0;
+  std::size_t headings = 0;
   std::size_t wheel_velocities = 0;
   std::size_t odometry_poses = 0;     ///< of the visual odometry
   std::size_t changes = 0;            ///< objects removed or added, a moved one twice

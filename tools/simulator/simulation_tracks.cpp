@@ -19,7 +19,8 @@ enum TopicNumber : uint64_t {
   kGnss,
   kWheels,
   kFurtherPoints = kWheels,
-  kPoses = 13
+  kPoses = 13,
+  kHeadings = 14
 };
 
 /// Each range sensor has noise of its own.
@@ -115,6 +116,26 @@ void GnssTrack::write_next(SimulationRecorder& recorder, SimulationSummary& summ
     ++summary.gnss_fixes;
   }
   next_ = fixes_.next();
+}
+
+HeadingTrack::HeadingTrack(const SimulationOptions& options, const SplineTrajectory& trajectory,
+                           const FaultMaker& faults)
+    : headings_(options.heading_errors, options.gnss_rate, trajectory, options.p_imu_antenna,
+                options.seed_of_noise()),
+      epoch_(options.epoch()),
+      faults_(&faults),
+      next_(headings_.next()),
+      first_(next_.yaw) {}
+
+void HeadingTrack::write_next(SimulationRecorder& recorder, SimulationSummary& summary) {
+  Heading heading = next_;
+  faults_->distort(heading, first_);
+  heading.stamp += epoch_;
+  for (int i = faults_->copies(kHeadings, index_++, time()); i > 0; --i) {
+    recorder.write("/heading", time(), heading, kAntennaFrame);
+    ++summary.headings;
+  }
+  next_ = headings_.next();
 }
 
 WheelTrack::WheelTrack(const SimulationOptions& options, const SimulationFiles& files,

@@ -18,6 +18,7 @@
 #include "adit/tools/recordings/ros_events.hpp"
 #include "adit/tools/simulator/faults.hpp"
 #include "adit/tools/simulator/gnss_model.hpp"
+#include "adit/tools/simulator/heading_model.hpp"
 #include "adit/tools/simulator/imu_model.hpp"
 #include "adit/tools/simulator/odometry_model.hpp"
 #include "adit/tools/simulator/range_simulator.hpp"
@@ -90,6 +91,24 @@ class GnssTrack {
   const FaultMaker* faults_;
   AntennaTruthWriter truth_;
   SimulatedFix next_;
+  uint64_t index_ = 0;
+};
+
+/// The receiver's headings. What it is given must outlive it.
+class HeadingTrack {
+ public:
+  HeadingTrack(const SimulationOptions& options, const SplineTrajectory& trajectory,
+               const FaultMaker& faults);
+
+  Nanoseconds time() const { return next_.stamp; }  ///< time of what is written next
+  void write_next(SimulationRecorder& recorder, SimulationSummary& summary);
+
+ private:
+  HeadingSimulator headings_;
+  Nanoseconds epoch_;
+  const FaultMaker* faults_;
+  Heading next_;
+  double first_;  ///< yaw, rad
   uint64_t index_ = 0;
 };
 

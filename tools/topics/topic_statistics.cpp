@@ -101,6 +101,9 @@ void take(TopicStatistics& topic, const BodyVelocity& velocity, Nanoseconds) {
   s.speed.add(speed);
 }
 
+void take(TopicStatistics& topic, const Heading& heading, Nanoseconds) {
+  topic.headings += std::isfinite(heading.yaw) ? 1U : 0U;
+}
 void take(TopicStatistics&, const ReferencePose&, Nanoseconds) {}
 void take(TopicStatistics&, const StaticTransform&, Nanoseconds) {}
 

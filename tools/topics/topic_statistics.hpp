@@ -125,6 +125,7 @@ struct TopicStatistics {
   SweepStatistics sweeps;
   GnssStatistics gnss;
   VelocityStatistics velocities;
+  uint64_t headings = 0;  ///< finite ones
 
   void add(const Event& event);
 
