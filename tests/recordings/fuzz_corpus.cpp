@@ -14,6 +14,8 @@
 #include "adit/tests/support/depth_images.hpp"
 #include "adit/tests/support/point_files.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/clouds/copc_writer.hpp"
+#include "adit/tools/clouds/las_writer.hpp"
 #include "adit/tools/clouds/ply_writer.hpp"
 #include "adit/tools/containers/bag_writer.hpp"
 #include "adit/tools/containers/mcap_writer.hpp"
@@ -206,7 +208,27 @@ class Corpus {
             bytes_of_all(static_cast<uint32_t>(packed.size()), uint32_t{66}) + packed);
     add("clouds", "las", "format_1", las_file(1, 2, 28, 20));
     add("clouds", "las", "format_6", las_file(6, 4, 30, 22));
+    add_packed_clouds();
     add_other_clouds();
+  }
+
+  /// LAZ in the order of the points, and as an octree.
+  void add_packed_clouds() {
+    std::vector<LasPoint> points;
+    for (int i = 0; i < 30; ++i) {
+      points.push_back({.position = {0.1 * i, 2.0 - 0.05 * i, 0.01 * (i % 3)},
+                        .time = std::chrono::milliseconds(i),
+                        .intensity = static_cast<uint16_t>(100 + i % 7),
+                        .ring = static_cast<uint16_t>(i % 4)});
+    }
+    LasWriter laz(folder_ / "seed.laz", {}, LasPacking::laz);
+    laz.write(points);
+    laz.close();
+    add("clouds", "laz", "packed", content_of(folder_ / "seed.laz"));
+    CopcWriter copc(folder_ / "seed.copc.laz", {});
+    copc.write(points);
+    copc.close();
+    add("clouds", "laz", "octree", content_of(folder_ / "seed.copc.laz"));
   }
 
   /// Dialects, large coordinates, and numbers without a header.

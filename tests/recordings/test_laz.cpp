@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -310,6 +311,48 @@ TEST(LasReader, PackedFilesThatAreDamagedGiveWholeChunksOrAReason) {
   }
 }
 
+TEST(LasReader, PackedPointsThatAreAllAlikeAreReadBack) {
+  const test::TemporaryFolder folder;
+  for (const std::size_t count : {std::size_t{1}, std::size_t{kLazChunkPoints}}) {
+    const std::vector<LasPoint> points(count, LasPoint{.position = {101.0, 202.0, 3.0}});
+    for (const std::string& file : {written<LasWriter>(folder / "a.laz", points, LasPacking::laz),
+                                    written<CopcWriter>(folder / "a.copc.laz", points)}) {
+      const CloudFile cloud = parse_las("a.laz", file, kSurvey);
+      EXPECT_EQ(cloud.sweep.points.size(), count);
+      EXPECT_TRUE(cloud.faults.empty());
+    }
+  }
+}
+
+// A header and a record that agree with each other, but not with how such points are packed.
+TEST(LasReader, ARecordThatDoesNotFitThePointFormatIsRefused) {
+  const test::TemporaryFolder folder;
+  const std::string good =
+      written<LasWriter>(folder / "a.laz", scanned_points(200), LasPacking::laz);
+  const std::size_t items = 375 + 54 + 34;  // the record is the first
+  ASSERT_EQ(static_cast<uint8_t>(good[items]), 10U);
+  const auto found = [](const std::string& bytes) {
+    try {
+      parse_las("a.laz", bytes);
+    } catch (const InputError& error) {
+      return error.found();
+    }
+    return std::string("nothing");
+  };
+  for (const auto& [format, point_bytes, first, extra] :
+       {std::array{0, 20, 20, 0}, std::array{1, 28, 28, 0}, std::array{6, 36, 20, 16},
+        std::array{3, 36, 30, 6}, std::array{6, 36, 36, 0}, std::array{7, 36, 30, 6},
+        std::array{9, 59, 30, 29}}) {
+    std::string bytes = good;
+    bytes[104] = static_cast<char>(0x80 | format);
+    test::put_at(bytes, 105, static_cast<uint16_t>(point_bytes));
+    test::put_at(bytes, items + 2, static_cast<uint16_t>(first));
+    test::put_at(bytes, items + 8, static_cast<uint16_t>(extra));
+    EXPECT_NE(found(bytes).find("in a way that is not known"), std::string::npos)
+        << format << ' ' << found(bytes);
+  }
+}
+
 /// All nodes of an octree of points of a LAS file.
 std::map<VoxelKey, std::string> nodes_of(const std::string& points, const CopcCube& cube,
                                          const CopcLimits& limits,
@@ -365,6 +408,19 @@ TEST(CopcOctree, EachPointIsInOneNodeThatHasItAndNoCoarserOneHasRoom) {
   EXPECT_EQ(seen.size(), std::size_t{kPoints});
   // Whatever is in memory at a time.
   EXPECT_EQ(nodes_of(points, cube, limits, folder.path()), nodes);
+  // A point far away leaves all others in one cell of the first count.
+  append_las_point(points, extent,
+                   {.position = {1.9e6, 0.0, 0.0}, .keyframe = static_cast<uint32_t>(kPoints)}, {},
+                   "cloud.copc.laz");
+  std::size_t most = 0;
+  std::size_t all = 0;
+  for (const auto& [key, bytes] : nodes_of(points, cube_of(extent), limits, folder.path())) {
+    most = std::max(most, bytes.size() / kLasPointBytes);
+    all += bytes.size() / kLasPointBytes;
+  }
+  EXPECT_EQ(all, std::size_t{kPoints} + 1);
+  EXPECT_LT(most, 10'000U);
+  points.resize(points.size() - kLasPointBytes);
   // In one part the same points are in as many nodes or more, never lost.
   std::size_t held = 0;
   for (const auto& [key, bytes] : nodes_of(points, cube, {.node = 200}, folder.path())) {

@@ -56,6 +56,12 @@ TEST(DeliveryPreset, MistakesAreNamedWithTheirLine) {
         std::pair("[[product]]\nfile = \"a\"\nexport = \"--dump\"\n"
                   "[[product]]\nfile = \"a\"\nexport = \"--dump\"",
                   "a stands twice"),
+        std::pair("[[product]]\nfile = \"a\"\nexport = \"--dump -o b\"",
+                  "'-o' cannot be in export"),
+        std::pair("[[product]]\nfile = \"README.md\"\nexport = \"--dump\"",
+                  "'README.md' is no name of a file"),
+        std::pair("[[product]]\nfile = \"a\"\nexport = \"--dump\"\nabout = \"a|b\"",
+                  "about is one line without '|'"),
         std::pair("product = 3", "it has no [[product]]"),
         std::pair("[products]", "'products' is unknown")}) {
     EXPECT_NE(preset_refusal(text).find(part), std::string::npos) << text << preset_refusal(text);
@@ -76,6 +82,25 @@ TEST(DeliveryPlaceWords, EachProductGetsWhatItHasAUseFor) {
   EXPECT_EQ(words({"--picture"}), "--picture ");
   EXPECT_EQ(words({"--raster", "intensity"}),
             "--raster intensity --recording drive.mcap --origin 1,2,3 --crs EPSG:25830 ");
+}
+
+TEST(DeliveryPlaceWords, FilesThatDoNotStateASystemGetUtmWhereTheMapIsOnTheEarth) {
+  const DeliveryPlace place{.on_earth = true, .geoid = "egm.pgm"};
+  const auto words = [&](std::vector<std::string> options) {
+    std::string text;
+    for (const std::string& word : export_words({.options = std::move(options)}, place)) {
+      text += word + ' ';
+    }
+    return text;
+  };
+  EXPECT_EQ(words({"--cloud", "ply"}), "--cloud ply --frame utm --geoid egm.pgm ");
+  EXPECT_EQ(words({"--trajectory", "gpkg"}), "--trajectory gpkg --frame utm --geoid egm.pgm ");
+  EXPECT_EQ(words({"--trajectory", "geojson"}), "--trajectory geojson ");
+  EXPECT_EQ(words({"--cloud", "copc"}), "--cloud copc --geoid egm.pgm ");
+  EXPECT_EQ(words({"--cloud", "pcd", "--frame", "map"}),
+            "--cloud pcd --frame map --geoid egm.pgm ");
+  EXPECT_EQ(coordinates_of_product({.options = {"--grid"}}, "UTM"), "the map's frame");
+  EXPECT_EQ(coordinates_of_product({.options = {"--cloud", "copc"}}, "UTM"), "UTM");
 }
 
 /// A map of a floor that two keyframes saw.
@@ -146,6 +171,15 @@ TEST_F(DeliverCommand, OneFileThatFailsDoesNotStopTheOthers) {
   EXPECT_NE(one.err.find("1 of 2 files could not be written"), std::string::npos) << one.err;
   EXPECT_TRUE(fs::exists(folder_ / "out" / "b.laz"));
   EXPECT_EQ(test::content(folder_ / "out" / "README.md").find("a.tif"), std::string::npos);
+}
+
+TEST_F(DeliverCommand, APageOfSomebodyElseStays) {
+  fs::create_directories(folder_ / "out");
+  folder_.write("out/README.md", "mine");
+  const Ran refused = deliver("[[product]]\nfile = \"a.laz\"\nexport = \"--cloud laz\"\n");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("is not one of a delivery"), std::string::npos) << refused.err;
+  EXPECT_EQ(test::content(folder_ / "out" / "README.md"), "mine");
 }
 
 TEST_F(DeliverCommand, NeedsAMapAndAFolder) {

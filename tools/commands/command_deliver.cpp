@@ -20,7 +20,6 @@
 #include "adit/tools/map_database/map_location.hpp"
 #include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/run/earlier_run.hpp"
-#include "adit/tools/support/fingerprint.hpp"
 #include "adit/tools/support/input_file.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -92,50 +91,86 @@ void make_folder(const fs::path& folder) {
   }
 }
 
+/// Why a product cannot be made of this map; empty: it can.
+std::string missing_for(const DeliveryProduct& product, const MapDatabase& map,
+                        const DeliveryPlace& place) {
+  if (product.needs_place && !place.on_earth) {
+    return "the map has no place on the Earth: --origin PLACE";
+  }
+  return product.needs_recording && !has_recording(map, place)
+             ? "the recording is not there: --recording REC"
+             : "";
+}
+
+/// A page of somebody else's stays.
+void check_folder(const fs::path& folder, const fs::path& page) {
+  std::error_code error;
+  if (fs::exists(page, error) && !DeliveryRecord::is_in(folder)) {
+    throw UsageError("-o " + folder.string() + ": its " + page.filename().string() +
+                     " is not one of a delivery. Name another folder.");
+  }
+}
+
+struct Delivered {
+  std::vector<DeliveryProduct> there{};
+  std::size_t failed = 0;
+};
+
+Delivered write_products(const std::vector<DeliveryProduct>& wanted, const MapDatabase& map,
+                         const DeliveryPlace& place, const fs::path& folder, std::ostream& out,
+                         std::ostream& err) {
+  std::vector<fs::path> inputs = {map.file()};
+  for (const auto& input : {place.geoid, place.recording}) {
+    if (input) {
+      inputs.push_back(*input);
+    }
+  }
+  DeliveryRecord record(folder);
+  Delivered delivered;
+  for (const DeliveryProduct& product : wanted) {
+    const std::vector<std::string> words = export_words(product, place);
+    const std::string state = delivery_state(inputs, words);
+    const std::string missing = missing_for(product, map, place);
+    if (missing.empty() && record.has(product, state)) {
+      out << "kept   " << (folder / product.file).string() << "\n";
+      delivered.there.push_back(product);
+      continue;
+    }
+    record.remove(product);
+    if (!missing.empty()) {
+      err << "left out  " << product.file << " (" << missing << ")\n";
+    } else if (run_export(map.file(), folder / product.file, words) == 0) {
+      record.add(product, state);
+      delivered.there.push_back(product);
+    } else {
+      ++delivered.failed;
+    }
+  }
+  return delivered;
+}
+
 int deliver(const DeliverCommandOptions& options, std::ostream& out, std::ostream& err) {
   const std::vector<DeliveryProduct> wanted = products_of(options);
   const fs::path file = find_map(options.map);
   const MapDatabase map(file, MapAccess::read);
-  const bool has_place = options.place.origin || map.georeference();
-  const std::string coordinates = coordinates_text(map, options.place);
+  DeliveryPlace place = options.place;
+  place.on_earth = place.origin || map.georeference();
+  const std::string system = coordinates_text(map, place);
+  const fs::path page = options.folder / "README.md";
+  check_folder(options.folder, page);
   make_folder(options.folder);
   for (const DeliveryProduct& product : wanted) {
     keep_input("-o", options.folder / product.file, file);
   }
-  const std::string hash = fingerprint(file).hash;
-  DeliveryRecord record(options.folder);
-  std::vector<DeliveryProduct> there;
-  std::size_t failed = 0;
-  for (const DeliveryProduct& product : wanted) {
-    const bool placed = has_place || !product.needs_place;
-    if (!placed || (product.needs_recording && !has_recording(map, options.place))) {
-      err << "left out  " << product.file << " ("
-          << (placed ? "the recording is not there: --recording REC"
-                     : "the map has no place on the Earth: --origin PLACE")
-          << ")\n";
-      continue;
-    }
-    const std::vector<std::string> words = export_words(product, options.place);
-    if (record.has(product.file, hash, words)) {
-      out << "kept   " << (options.folder / product.file).string() << "\n";
-    } else if (run_export(file, options.folder / product.file, words) == 0) {
-      record.add(product.file, hash, words);
-    } else {
-      ++failed;
-      continue;
-    }
-    there.push_back(product);
-  }
-  const fs::path page = options.folder / "README.md";
-  replace_text_file(page, delivery_page(map, coordinates, there, options.folder));
+  const Delivered delivered = write_products(wanted, map, place, options.folder, out, err);
+  replace_text_file(page, delivery_page(map, system, delivered.there, options.folder));
   out << "wrote  " << page.string() << "\n";
-  if (failed > 0) {
+  if (delivered.failed > 0) {
     err << fmt::format(
-        "adit deliver: {} of {} files could not be written; the same command goes on "
-        "with them.\n",
-        failed, wanted.size());
+        "adit deliver: {} of {} files could not be written. The same command completes them.\n",
+        delivered.failed, wanted.size());
   }
-  return failed > 0 ? 1 : 0;
+  return delivered.failed > 0 ? 1 : 0;
 }
 
 }  // namespace
@@ -159,8 +194,9 @@ void add_deliver_command(Command app, std::function<void(int)> done) {
   command.footer(
       "OUT is the folder of a run, MAP the map in it, OUT/map.adit. The folder gets clouds (COPC, "
       "LAZ), rasters, an occupancy grid, pictures, the trajectory, a report, and README.md, which "
-      "says what each is. What is there already of the same map is kept: an interrupted command is "
-      "given again. A preset says what is written, and is TOML.\n\n"
+      "says what each is. Files that are there already are kept: run an interrupted command again. "
+      "A "
+      "preset (TOML) says what is written.\n\n"
       "Examples:\n"
       "  adit deliver out -o delivery\n"
       "  adit deliver out -o delivery --crs EPSG:25832 --geoid egm2008-1.pgm\n"

@@ -14,6 +14,7 @@
 
 #include "adit/slam/core/text.hpp"
 #include "adit/tools/clouds/las_layout.hpp"
+#include "adit/tools/support/fingerprint.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"
 #include "adit/tools/support/output_file.hpp"
@@ -26,15 +27,16 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kRecordFile = "delivery.json";
+constexpr const char* kPageFile = "README.md";
 constexpr const char* kPresetRemedy =
     "`adit deliver --print-preset` prints one that can be changed";
 
 constexpr std::string_view kDefault = R"(# What `adit deliver` writes, a [[product]] each:
 #   file    its name in the folder
-#   export  what `adit export` is told to write it; the map, -o and where points are come by themselves
+#   export  the options of `adit export` that write it, without the map, -o and the coordinates
 #   about   a sentence for whoever gets it
 #   needs   "place": the map has to lie on the Earth; "recording": its recording has to be there
-# What the needs of a product are not met for is left out, and said.
+# A product whose needs are not met is left out, with a note.
 
 [[product]]
 file = "cloud.copc.laz"
@@ -65,7 +67,7 @@ about = "Floor plans (DXF): plan_0.dxf of the lowest storey, and so on; walls as
 [[product]]
 file = "grid.yaml"
 export = "--grid --cell 0.05"
-about = "Occupancy grid for navigation (ROS map_server) with grid.pgm, in the frame of the map."
+about = "Occupancy grid for navigation (ROS map_server) with grid.pgm."
 
 [[product]]
 file = "map.png"
@@ -123,7 +125,7 @@ DeliveryProduct parse_product(const toml::table& table, const fs::path& file) {
   DeliveryProduct product{.file = text_of(table, "file", file),
                           .about = text_of(table, "about", file)};
   if (product.file.empty() || fs::path(product.file).filename() != product.file ||
-      product.file == kRecordFile || product.file.starts_with('.')) {
+      product.file == kRecordFile || product.file == kPageFile || product.file.starts_with('.')) {
     refuse_preset(file, table, "'" + product.file + "' is no name of a file in the folder");
   }
   const std::string words = text_of(table, "export", file);
@@ -132,6 +134,15 @@ DeliveryProduct parse_product(const toml::table& table, const fs::path& file) {
   }
   if (product.options.empty()) {
     refuse_preset(file, table, product.file + " has no export");
+  }
+  for (const std::string& word : product.options) {
+    if (word == "-o" || word == "--output" || word == "--help" || word == "-h" ||
+        word.find('=') != std::string::npos) {
+      refuse_preset(file, table, "'" + word + "' cannot be in export");
+    }
+  }
+  if (product.about.find_first_of("|\n") != std::string::npos) {
+    refuse_preset(file, table, "about is one line without '|'");
   }
   const std::string needs = text_of(table, "needs", file);
   product.needs_place = needs == "place";
@@ -164,12 +175,26 @@ std::string dates_of(const MapDatabase& map) {
              : "Surveyed from " + day(first.stamp) + " to " + day(last.stamp) + " (UTC).\n\n";
 }
 
-std::string state_of(const std::string& map, const std::vector<std::string>& words) {
-  std::string state = map;
-  for (const std::string& word : words) {
-    state += ' ' + word;
-  }
-  return state;
+/// How coordinates are chosen for a product.
+enum class Coordinates {
+  of_map,      ///< always the map's frame
+  degrees,     ///< always latitude and longitude
+  all,         ///< a column each
+  geopackage,  ///< degrees, or a projected system that is named
+  stated,      ///< the file states its system: UTM by itself
+  unstated,    ///< points and poses alone: a frame has to be named
+};
+
+Coordinates coordinates_kind(const DeliveryProduct& product) {
+  const auto has = [&](std::string_view word) {
+    return std::ranges::count(product.options, word) > 0;
+  };
+  return has("--picture") || has("--graph") || has("--dump") || has("--grid") ? Coordinates::of_map
+         : has("kml") || has("geojson")                                       ? Coordinates::degrees
+         : has("csv")                                                         ? Coordinates::all
+         : has("gpkg")                                            ? Coordinates::geopackage
+         : has("ply") || has("pcd") || has("tum") || has("kitti") ? Coordinates::unstated
+                                                                  : Coordinates::stated;
 }
 
 }  // namespace
@@ -218,24 +243,80 @@ std::vector<std::string> export_words(const DeliveryProduct& product, const Deli
     words.emplace_back(option);
     words.push_back(value);
   };
-  const bool in_map_frame = has("--picture") || has("--graph") || has("--dump") || has("--grid");
-  const bool geodetic = has("kml") || has("geojson");
   if (place.recording && (has("--dense") || has("intensity"))) {
     add("--recording", place.recording->string());
   }
-  if (in_map_frame) {
+  const Coordinates kind = coordinates_kind(product);
+  if (kind == Coordinates::of_map) {
     return words;
   }
   if (place.origin) {
     add("--origin", *place.origin);
   }
-  if (place.crs && !geodetic) {
+  const bool chosen = has("--crs") || has("--utm") || has("--frame");
+  if (place.crs && kind != Coordinates::degrees && !chosen) {
     add("--crs", *place.crs);
+  } else if (!chosen && place.on_earth &&
+             (kind == Coordinates::unstated || (kind == Coordinates::geopackage && place.geoid))) {
+    add("--frame", "utm");
   }
-  if (place.geoid) {
+  if (place.geoid && !has("geojson")) {
     add("--geoid", place.geoid->string());
   }
   return words;
+}
+
+std::string coordinates_of_product(const DeliveryProduct& product, const std::string& system) {
+  const std::string frame = system.empty() ? "the map's frame" : system;
+  switch (coordinates_kind(product)) {
+    case Coordinates::of_map:
+      return "the map's frame";
+    case Coordinates::degrees:
+      return "degrees (WGS 84)";
+    case Coordinates::all:
+      return "a column each";
+    case Coordinates::geopackage:
+      return "see its layers";
+    case Coordinates::stated:
+    case Coordinates::unstated:
+      break;
+  }
+  return frame;
+}
+
+std::vector<fs::path> files_of_product(const DeliveryProduct& product, const fs::path& folder) {
+  const fs::path name = product.file;
+  const std::string stem = name.stem().string();
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const fs::path file = entry->path().filename();
+    const std::string rest =
+        file.stem().string().substr(std::min(stem.size(), file.stem().string().size()));
+    const bool numbered = file.stem().string().starts_with(stem + "_") && rest.size() > 1 &&
+                          rest.find_first_not_of("0123456789", 1) == std::string::npos &&
+                          file.extension() == name.extension();
+    const bool beside =
+        file.stem() == name.stem() && (file.extension() == ".pgm" || file.extension() == ".pgw");
+    if (file == name || numbered || beside) {
+      files.push_back(entry->path());
+    }
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+std::string delivery_state(const std::vector<fs::path>& inputs,
+                           const std::vector<std::string>& words) {
+  std::string state = std::string(version());
+  for (const fs::path& input : inputs) {
+    state += ' ' + fingerprint(input).hash;
+  }
+  for (const std::string& word : words) {
+    state += ' ' + word;
+  }
+  return state;
 }
 
 DeliveryRecord::DeliveryRecord(fs::path folder) : folder_(std::move(folder)) {
@@ -252,37 +333,58 @@ DeliveryRecord::DeliveryRecord(fs::path folder) : folder_(std::move(folder)) {
   }
 }
 
-bool DeliveryRecord::has(const std::string& file, const std::string& map,
-                         const std::vector<std::string>& words) const {
-  const auto made = made_.find(file);
+bool DeliveryRecord::is_in(const fs::path& folder) {
   std::error_code error;
-  return made != made_.end() && made->second == state_of(map, words) &&
-         fs::exists(folder_ / file, error);
+  return fs::exists(folder / kRecordFile, error);
 }
 
-void DeliveryRecord::add(const std::string& file, const std::string& map,
-                         const std::vector<std::string>& words) {
-  made_[file] = state_of(map, words);
-  nlohmann::ordered_json record;
+bool DeliveryRecord::has(const DeliveryProduct& product, const std::string& state) const {
+  const auto made = made_.find(product.file);
+  return made != made_.end() && made->second == state &&
+         !files_of_product(product, folder_).empty();
+}
+
+void DeliveryRecord::add(const DeliveryProduct& product, const std::string& state) {
+  made_[product.file] = state;
+  keep();
+}
+
+void DeliveryRecord::remove(const DeliveryProduct& product) {
+  if (made_.erase(product.file) == 0) {
+    return;
+  }
+  keep();
+  for (const fs::path& file : files_of_product(product, folder_)) {
+    std::error_code ignored;
+    fs::remove(file, ignored);
+  }
+}
+
+void DeliveryRecord::keep() const {
+  nlohmann::ordered_json record = nlohmann::ordered_json::object();
   for (const auto& [name, state] : made_) {
     record[name] = state;
   }
   replace_text_file(folder_ / kRecordFile, record.dump(2) + "\n");
 }
 
-std::string delivery_page(const MapDatabase& map, const std::string& coordinates,
+std::string delivery_page(const MapDatabase& map, const std::string& system,
                           const std::vector<DeliveryProduct>& products, const fs::path& folder) {
   std::string page = "# Survey\n\n" + dates_of(map);
-  page += coordinates.empty()
-              ? "Coordinates are those of the map, m: its origin is where the survey began, z is "
-                "up. The map has no place on the Earth.\n"
-              : "Coordinates: " + coordinates + ", m.\n";
-  page += "\n| file | size | what it is |\n|---|---|---|\n";
+  page += "Lengths are in metres. The map's frame begins where the survey began, with z up.\n";
+  if (system.empty()) {
+    page += "The map has no place on the Earth.\n";
+  }
+  page += "\n| file | size | coordinates | what it is |\n|---|---|---|---|\n";
   for (const DeliveryProduct& product : products) {
-    std::error_code error;
-    const auto bytes = fs::file_size(folder / product.file, error);
-    page += fmt::format("| `{}` | {} | {} |\n", product.file, error ? "" : size_text(bytes),
-                        product.about);
+    uint64_t bytes = 0;
+    for (const fs::path& file : files_of_product(product, folder)) {
+      std::error_code error;
+      const auto size = fs::file_size(file, error);
+      bytes += error ? 0 : size;
+    }
+    page += fmt::format("| `{}` | {} | {} | {} |\n", product.file, size_text(bytes),
+                        coordinates_of_product(product, system), product.about);
   }
   page += fmt::format("\nMade by adit {} of a map of {} keyframes in {} session{}.\n", version(),
                       map.keyframes().size(), map.sessions().size(),

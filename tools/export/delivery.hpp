@@ -18,7 +18,7 @@ namespace adit {
 /// A file of a delivery.
 struct DeliveryProduct {
   std::string file{};                  ///< its name in the folder
-  std::vector<std::string> options{};  ///< what `adit export` is told to write it
+  std::vector<std::string> options{};  ///< the options of `adit export` that write it
   std::string about{};                 ///< a sentence for whoever gets it
   bool needs_place = false;            ///< a map without a place on the Earth has none
   bool needs_recording = false;        ///< made of the recording that the map is of
@@ -33,6 +33,7 @@ std::vector<DeliveryProduct> parse_delivery(std::string_view text,
 
 /// Where points are, for all products alike.
 struct DeliveryPlace {
+  bool on_earth = false;                ///< the map, or `origin`, has a place on the Earth
   std::optional<std::string> origin{};  ///< "LAT,LON,ALT[,YAW]"
   std::optional<std::string> crs{};     ///< "EPSG:25830"
   std::optional<std::filesystem::path> geoid{};
@@ -40,27 +41,48 @@ struct DeliveryPlace {
 };
 
 /// The words of `adit export` for a product: those of the preset, and of the place as far as the
-/// product has any use for them.
+/// product takes them. Points of a map on the Earth are in one system in all files.
 std::vector<std::string> export_words(const DeliveryProduct& product, const DeliveryPlace& place);
 
-/// What is in a folder already: a product is made again where the map or its words are others.
+/// What the page says of a product's coordinates. `system`: that of the points; empty: the map has
+/// no place.
+std::string coordinates_of_product(const DeliveryProduct& product, const std::string& system);
+
+/// The files of a product in a folder: its own, numbered ones (plan_0.dxf), and those beside it
+/// (grid.pgm).
+std::vector<std::filesystem::path> files_of_product(const DeliveryProduct& product,
+                                                    const std::filesystem::path& folder);
+
+/// What is in a folder already, by the folder's delivery.json. A product is made again where the
+/// map, another input, its words or adit's version is another.
 class DeliveryRecord {
  public:
-  /// Of the folder's delivery.json; nothing is in it where that is not there or cannot be read.
+  /// Empty where the file is not there or holds something else. Throws InputError where it cannot
+  /// be read.
   explicit DeliveryRecord(std::filesystem::path folder);
 
-  bool has(const std::string& file, const std::string& map,
-           const std::vector<std::string>& words) const;
+  /// Whether the folder has such a file.
+  static bool is_in(const std::filesystem::path& folder);
+
+  bool has(const DeliveryProduct& product, const std::string& state) const;
   /// Keeps it on disk, too. Throws OutputError.
-  void add(const std::string& file, const std::string& map, const std::vector<std::string>& words);
+  void add(const DeliveryProduct& product, const std::string& state);
+  /// Removes a product that was made of something else, with its files.
+  void remove(const DeliveryProduct& product);
 
  private:
+  void keep() const;
+
   std::filesystem::path folder_;
-  std::map<std::string, std::string> made_{};  ///< by file: the map and the words
+  std::map<std::string, std::string> made_{};  ///< state by file
 };
 
-/// The page, Markdown: coordinates, times, and each file with what it is for.
-std::string delivery_page(const MapDatabase& map, const std::string& coordinates,
+/// What a product is made of: the contents of all inputs, the words, and adit's version.
+std::string delivery_state(const std::vector<std::filesystem::path>& inputs,
+                           const std::vector<std::string>& words);
+
+/// The page, Markdown: dates, and each file with its coordinates and what it is for.
+std::string delivery_page(const MapDatabase& map, const std::string& system,
                           const std::vector<DeliveryProduct>& products,
                           const std::filesystem::path& folder);
 
