@@ -91,15 +91,14 @@ void make_folder(const fs::path& folder) {
   }
 }
 
-/// Why a product cannot be made of this map; empty: it can.
-std::string missing_for(const DeliveryProduct& product, const MapDatabase& map,
-                        const DeliveryPlace& place) {
-  if (product.needs_place && !place.on_earth) {
-    return "the map has no place on the Earth: --origin PLACE";
-  }
-  return product.needs_recording && !has_recording(map, place)
-             ? "the recording is not there: --recording REC"
-             : "";
+/// What a product needs and the map has not.
+enum class Missing { nothing, place, recording };
+
+Missing missing_for(const DeliveryProduct& product, const MapDatabase& map,
+                    const DeliveryPlace& place) {
+  return product.needs_place && !place.on_earth                  ? Missing::place
+         : product.needs_recording && !has_recording(map, place) ? Missing::recording
+                                                                 : Missing::nothing;
 }
 
 /// A page of somebody else's stays.
@@ -130,15 +129,18 @@ Delivered write_products(const std::vector<DeliveryProduct>& wanted, const MapDa
   for (const DeliveryProduct& product : wanted) {
     const std::vector<std::string> words = export_words(product, place);
     const std::string state = delivery_state(inputs, words);
-    const std::string missing = missing_for(product, map, place);
-    if (missing.empty() && record.has(product, state)) {
+    const Missing missing = missing_for(product, map, place);
+    if (missing == Missing::nothing && record.has(product, state)) {
       out << "kept   " << (folder / product.file).string() << "\n";
       delivered.there.push_back(product);
       continue;
     }
     record.remove(product);
-    if (!missing.empty()) {
-      err << "left out  " << product.file << " (" << missing << ")\n";
+    if (missing != Missing::nothing) {
+      err << "left out  " << product.file << " ("
+          << (missing == Missing::place ? "the map has no place on the Earth: --origin PLACE"
+                                        : "the recording is not there: --recording REC")
+          << ")\n";
     } else if (run_export(map.file(), folder / product.file, words) == 0) {
       record.add(product, state);
       delivered.there.push_back(product);
