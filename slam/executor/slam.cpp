@@ -72,9 +72,11 @@ class OfflineSlam final : public Slam {
       }
       fix->stamp += nanoseconds(gnss_.time_offset);
     }
-    const bool heads = map_ != nullptr && gnss_.use && gnss_.heading;
-    if (heading_of != nullptr && !heads) {
-      return;
+    if (auto* heading = std::get_if<Heading>(&measurement)) {
+      if (map_ == nullptr || !gnss_.use || !gnss_.heading) {
+        return;
+      }
+      heading->stamp += nanoseconds(gnss_.time_offset);  // of the same receiver, as a rule
     }
     if (auto* velocity = std::get_if<BodyVelocity>(&measurement)) {
       if (!inertial_ || !velocity_.use) {

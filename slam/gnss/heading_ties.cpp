@@ -228,6 +228,7 @@ void HeadingTies::judge_again(const PoseGraph& graph, const WorldFrame& frame) {
 }
 
 void HeadingTies::forget_place() {
+  earlier_.clear();  // they led to that place
   yaw_.reset();
   report_.state = report_.state == HeadingState::used ? HeadingState::waiting : report_.state;
   report_.placed = false;

@@ -30,10 +30,15 @@ constexpr int64_t kIndexContour = 5;  // each fifth is drawn on a layer of its o
 
 GroundHeights ground_of(const ExportJob& job, const ProductCoordinates& coordinates, double size,
                         const std::string& option) {
+  if (size < kSearchCell) {
+    throw UsageError(option +
+                     ": the ground is known in cells of 0.25 m. Choose a --cell that is no "
+                     "smaller.");
+  }
   const CloudSelection selection = selection_of(job, coordinates);
   CloudSelection anywhere = selection;
   anywhere.polygon.clear();  // the ground of a part is reached from outside of it, too
-  GroundSearch search(std::min(size, kSearchCell));
+  GroundSearch search(kSearchCell);
   std::vector<FloorStep> steps;
   visit_plan_points(*job.map, coordinates, anywhere,
                     [&](const MapKeyframe& keyframe, std::span<const PlanPoint> points) {

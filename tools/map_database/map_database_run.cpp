@@ -34,7 +34,7 @@ constexpr const char* kTakeBack =
     "UPDATE fixes SET verdict = was.verdict, chi2 = was.chi2, information = was.information,"
     " antenna = COALESCE(was.antenna, fixes.antenna)"
     " FROM end_fixes AS was WHERE was.id = fixes.id;"
-    "DELETE FROM headings;"
+    "DELETE FROM headings WHERE keyframe NOT IN (SELECT id FROM end_keyframes);"
     "DELETE FROM georeference; INSERT INTO georeference SELECT * FROM end_georeference;"
     "DELETE FROM places;"
     "DELETE FROM control WHERE keyframe NOT IN (SELECT id FROM end_keyframes);"

@@ -106,6 +106,8 @@ BodyVelocity to_event(const TwistWithCovarianceStamped& twist, const RawMessage&
 
 /// The yaw of the x axis in the axes east, north, up. Throws CodecError where the numbers are no
 /// rotation.
+constexpr double kMostUnlikeOne = 0.1;  // of the length of a quaternion, as drivers round it
+
 double heading_of(const Quaternion& q) {
   const Eigen::Vector3d axis = isometry({}, q).linear().col(0);
   return std::atan2(axis.y(), axis.x());
@@ -117,11 +119,12 @@ Heading to_event(const QuaternionStamped& orientation, const RawMessage& message
           .frame = orientation.header.frame};
 }
 
-/// Drivers without an orientation say so by -1 in its covariance, or leave zeros in its numbers.
+/// Drivers without an orientation say so by -1 in its covariance, or leave zeros or NaN in its
+/// numbers.
 std::optional<Heading> heading_of(const Imu& imu, const RawMessage& message) {
   const Quaternion& q = imu.orientation;
-  const bool none = q.x == 0.0 && q.y == 0.0 && q.z == 0.0 && q.w == 0.0;
-  if (none || imu.orientation_covariance[0] < 0.0) {
+  const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+  if (!(std::abs(length - 1.0) < kMostUnlikeOne) || imu.orientation_covariance[0] < 0.0) {
     return std::nullopt;
   }
   const double variance = imu.orientation_covariance[8];
