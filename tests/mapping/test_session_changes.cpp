@@ -20,7 +20,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kEdge = 0.25;  // m
+constexpr double kObjectEdge = 0.25;  // m
 const SpaceTile kStreet{.centre = {40, 0, 0}, .across = 320};
 const test::Block kBox{{9.0, 1.4, 0.0}, {10.4, 2.8, 1.3}};
 const test::Block kOther{{13.0, -2.9, 0.0}, {14.2, -1.7, 1.1}};
@@ -71,7 +71,7 @@ class SessionChanges : public test::DeviceTest {
   static std::vector<ChangedVoxel> changes(const Submaps& submaps,
                                            const SpaceTile& tile = kStreet) {
     return changes_in_tile(
-               tile, kEdge, submaps.size(), [&](std::size_t i) { return submaps[i]; },
+               tile, kObjectEdge, submaps.size(), [&](std::size_t i) { return submaps[i]; },
                kLeastLogOdds)
         .voxels;
   }

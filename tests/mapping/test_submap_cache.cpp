@@ -83,8 +83,8 @@ TEST_F(SubmapsInMemory, OneStaysHoweverLittleThereIsAndThoseInUseLive) {
 // The first point of each voxel in the order of keyframes, however the map is cut into tiles.
 TEST_F(SubmapsInMemory, ACloudInTilesIsThatOfTheWholeMap) {
   for (const double resolution : {0.11, 0.5, 3.0}) {
-    using Voxel = std::tuple<int64_t, int64_t, int64_t>;
-    std::map<Voxel, Point> expected;
+    using CellIndex = std::tuple<int64_t, int64_t, int64_t>;
+    std::map<CellIndex, Point> expected;
     for (const MapKeyframe& keyframe : map_.keyframes()) {
       for (const SubmapPoint& point : decode(map_.submap(keyframe.id)).points) {
         const Eigen::Vector3d p = keyframe.T_map_keyframe * point.position();
