@@ -15,8 +15,8 @@
 namespace adit {
 namespace {
 
-constexpr double kPlace = 0.01;     // m, an edge, as the odometry has it
-constexpr double kHeading = 0.001;  // rad
+constexpr double kPlaceError = 0.01;  // m, an edge, as the odometry has it
+constexpr double kHeading = 0.001;    // rad
 constexpr double kFixSigma = 0.02;
 
 /// A way round in the level, five times over, whose odometry errs by `error` times what it says; a
@@ -30,14 +30,14 @@ Drive drive(double error, double fix_sigma, unsigned seed, double height_error =
   std::mt19937 random(seed);
   std::normal_distribution<double> noise;
   Drive made;
-  const Matrix6d information = test::diagonal_covariance(kPlace, kHeading).inverse();
+  const Matrix6d information = test::diagonal_covariance(kPlaceError, kHeading).inverse();
   Eigen::Isometry3d truth = Eigen::Isometry3d::Identity();
   for (NodeId id = 0; id < 300; ++id) {
     Eigen::Isometry3d measured = test::step(2.0, 0.1);
     truth = id > 0 ? truth * measured : truth;
     Vector6d by;
-    by << error * kPlace * Eigen::Vector2d(noise(random), noise(random)),
-        height_error * kPlace * noise(random),
+    by << error * kPlaceError * Eigen::Vector2d(noise(random), noise(random)),
+        height_error * kPlaceError * noise(random),
         height_error * kHeading * Eigen::Vector2d(noise(random), noise(random)),
         error * kHeading * noise(random);
     measured = measured * se3_exp(by);

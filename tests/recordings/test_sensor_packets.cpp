@@ -26,9 +26,9 @@ namespace {
 using test::Bytes;
 
 constexpr Nanoseconds kSecond{1'000'000'000};
-constexpr Nanoseconds kUtc = 1'700'000'000 * kSecond;  // 2023-11-14, 22:13:20
+constexpr Nanoseconds kUtcOffset = 1'700'000'000 * kSecond;  // 2023-11-14, 22:13:20
 
-Datagram datagram(const Bytes& bytes, Nanoseconds received = kUtc) {
+Datagram packet_in_datagram(const Bytes& bytes, Nanoseconds received = kUtcOffset) {
   return {.received = received, .payload = bytes};
 }
 
@@ -69,8 +69,8 @@ TEST(OusterProfiles, RangesReturnsAndFramesAreThoseOfTheLayout) {
       const Bytes bytes = test::ouster_profile_packet(c.pixel_bytes, fusa, 2, 16 * (packet % 2),
                                                       70000 + packet / 2, 1600000 * packet, write);
       ASSERT_EQ(bytes.size(), sensor.packet_bytes()) << c.name;
-      ASSERT_TRUE(is_ouster_data(datagram(bytes), sensor)) << c.name;
-      for (Sweep& sweep : sweeps.take(datagram(bytes))) {
+      ASSERT_TRUE(is_ouster_data(packet_in_datagram(bytes), sensor)) << c.name;
+      for (Sweep& sweep : sweeps.take(packet_in_datagram(bytes))) {
         whole.push_back(std::move(sweep));
       }
     }
@@ -101,7 +101,7 @@ TEST(OusterProfiles, LegacyPacketsThatTellTheirFrameInTheFirstColumnAloneAreOneS
     for (std::size_t column = 1; column < 16; ++column) {  // as ouster-sdk writes them
       test::put(packet, column * sensor.column_bytes() + 10, uint16_t{0});
     }
-    EXPECT_TRUE(sweeps.take(datagram(packet)).empty());
+    EXPECT_TRUE(sweeps.take(packet_in_datagram(packet)).empty());
   }
   EXPECT_EQ(sweeps.finish().value().points.size(), 64U);
 }
@@ -114,7 +114,7 @@ TEST(OusterProfiles, CaptureIsReadWithMetadataThatIsNamed) {
   std::vector<test::CapturedFrame> frames;
   for (uint32_t i = 0; i < 4; ++i) {
     const Bytes packet = test::ouster_profile_packet(4, false, 2, 0, i, 100000000 * i, write);
-    frames.push_back({kUtc, test::frames_of(packet, 7502).front()});
+    frames.push_back({kUtcOffset, test::frames_of(packet, 7502).front()});
   }
   const Bytes bytes = test::pcap(frames);
   folder.write("a/drive.pcap", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
@@ -143,17 +143,17 @@ TEST(OusterMessages, PacketsInMessagesAreSweepsReadingsAndMountings) {
     const std::size_t lidar = channel("/ouster/lidar_packets", type);
     const std::size_t imu = channel("/ouster/imu_packets", type);
     const std::size_t metadata = channel("/ouster/metadata", "std_msgs/String");
-    writer.write(metadata, kUtc,
+    writer.write(metadata, kUtcOffset,
                  ros::encode(encoding, ros::String{test::ouster_metadata(2, "LEGACY")}));
     for (uint16_t i = 0; i < 6; ++i) {
-      const Nanoseconds at = kUtc + i * kSecond / 10;
+      const Nanoseconds at = kUtcOffset + i * kSecond / 10;
       const Bytes packet = test::ouster_packet(true, 2, 0, i, static_cast<uint64_t>(at.count()),
                                                [](auto, auto) { return 3000; });
       writer.write(lidar, at, ros::encode(encoding, ros::PacketMsg{packet}));
       const Bytes reading = test::ouster_imu_packet(static_cast<uint64_t>(at.count()));
       writer.write(imu, at, ros::encode(encoding, ros::PacketMsg{reading}));
     }
-    writer.write(lidar, kUtc + kSecond, Bytes(3));  // no whole message
+    writer.write(lidar, kUtcOffset + kSecond, Bytes(3));  // no whole message
     writer.close();
     const auto recording = open_recording(folder / "drive.mcap");
     ASSERT_EQ(recording->topics().size(), 4U);
@@ -167,7 +167,7 @@ TEST(OusterMessages, PacketsInMessagesAreSweepsReadingsAndMountings) {
     const test::ReadEvents later = test::read_all(*recording, {.topics = {0}, .skip = 4});
     ASSERT_EQ(later.events.size(), 2U);
     const Sweep& last = std::get<Sweep>(later.events[1].value);
-    EXPECT_EQ(last.stamp, kUtc + kSecond / 2);
+    EXPECT_EQ(last.stamp, kUtcOffset + kSecond / 2);
     EXPECT_EQ(last.points.size(), 32U);
     EXPECT_EQ(later.events[1].number, 5U);
     const test::ReadEvents mountings = test::read_all(*recording, {.topics = {3}});
@@ -190,12 +190,12 @@ TEST(OusterMessages, PacketsThatCameTwiceOrInAnotherOrderGiveTheSameEvents) {
     const std::size_t lidar = channel("/ouster/lidar_packets", "ouster_sensor_msgs/PacketMsg");
     const std::size_t other = channel("/imu", "sensor_msgs/Imu");
     const std::size_t metadata = channel("/ouster/metadata", "std_msgs/String");
-    writer.write(metadata, kUtc,
+    writer.write(metadata, kUtcOffset,
                  ros::encode(Encoding::cdr, ros::String{test::ouster_metadata(2, "LEGACY")}));
-    Nanoseconds at = kUtc;
+    Nanoseconds at = kUtcOffset;
     for (const uint16_t i : order) {
       at += kSecond / 100;
-      const auto time = static_cast<uint64_t>((kUtc + i * kSecond / 100).count());
+      const auto time = static_cast<uint64_t>((kUtcOffset + i * kSecond / 100).count());
       const Bytes packet =
           test::ouster_packet(true, 2, 16 * (i % 2U), i / 2, time, [](auto, auto) { return 3000; });
       writer.write(lidar, at, ros::encode(Encoding::cdr, ros::PacketMsg{packet}));
@@ -240,7 +240,7 @@ TEST(OusterMessages, WithoutMetadataTheyAreNothingThatIsUnderstood) {
                                                 .definition = {},
                                                 .messages = std::nullopt});
   const Bytes packet = test::ouster_packet(true, 2, 0, 1, 5, [](auto, auto) { return 3000; });
-  writer.write(lidar, kUtc, ros::encode(Encoding::ros1, ros::PacketMsg{packet}));
+  writer.write(lidar, kUtcOffset, ros::encode(Encoding::ros1, ros::PacketMsg{packet}));
   writer.close();
   EXPECT_EQ(open_recording(folder / "drive.mcap")->topics().at(0).kind, TopicKind::other);
   folder.write("m/sensor.json", test::ouster_metadata(2, "LEGACY"));
@@ -258,34 +258,34 @@ TEST(Livox, PointsInMillimetresAndCentimetresWithTheirTimes) {
     std::vector<Sweep> whole;
     for (int i = 0; i < 5; ++i) {  // 40 ms apart: three to a sweep
       const Bytes packet = test::livox_packet(
-          static_cast<uint64_t>((kUtc + std::chrono::milliseconds(40 * i)).count()), points,
+          static_cast<uint64_t>((kUtcOffset + std::chrono::milliseconds(40 * i)).count()), points,
           centimetres);
-      ASSERT_TRUE(is_livox_data(datagram(packet)));
-      for (Sweep& sweep : sweeps.take(datagram(packet))) {
+      ASSERT_TRUE(is_livox_data(packet_in_datagram(packet)));
+      for (Sweep& sweep : sweeps.take(packet_in_datagram(packet))) {
         whole.push_back(std::move(sweep));
       }
     }
     ASSERT_EQ(whole.size(), 1U);
     const Sweep& sweep = whole[0];
-    EXPECT_EQ(sweep.stamp, kUtc);
+    EXPECT_EQ(sweep.stamp, kUtcOffset);
     ASSERT_EQ(sweep.points.size(), 6U);
     EXPECT_FLOAT_EQ(sweep.points[0].y, -2.0F);
     EXPECT_FLOAT_EQ(sweep.points[0].intensity, 40.0F);
     EXPECT_FLOAT_EQ(sweep.points[1].x, -0.07F);
     EXPECT_FLOAT_EQ(sweep.times[1], 3e-6F);
     EXPECT_FLOAT_EQ(sweep.times[2], 0.04F);
-    EXPECT_EQ(sweeps.finish().value().stamp, kUtc + std::chrono::milliseconds(120));
+    EXPECT_EQ(sweeps.finish().value().stamp, kUtcOffset + std::chrono::milliseconds(120));
   }
   Bytes cut = test::livox_packet(1, {{1, 2, 3, 4, 5}});
   cut.pop_back();
-  EXPECT_FALSE(is_livox_data(datagram(cut)));
+  EXPECT_FALSE(is_livox_data(packet_in_datagram(cut)));
 }
 
 TEST(Livox, CaptureHasPointsAndReadings) {
   const test::TemporaryFolder folder;
   std::vector<test::CapturedFrame> frames;
   for (int i = 0; i < 30; ++i) {
-    const Nanoseconds at = kUtc + std::chrono::milliseconds(10 * i);
+    const Nanoseconds at = kUtcOffset + std::chrono::milliseconds(10 * i);
     const auto time = static_cast<uint64_t>(at.count());
     frames.push_back(
         {at, test::frames_of(test::livox_packet(time, {{1000, 0, 0, 9, 0}}), 56301).front()});
@@ -298,7 +298,7 @@ TEST(Livox, CaptureHasPointsAndReadings) {
   const test::ReadEvents imu = test::read_all(*recording, {.topics = {1}});
   ASSERT_EQ(imu.events.size(), 30U);
   const auto& sample = std::get<ImuSample>(imu.events[29].value);
-  EXPECT_EQ(sample.stamp, kUtc + std::chrono::milliseconds(290));
+  EXPECT_EQ(sample.stamp, kUtcOffset + std::chrono::milliseconds(290));
   EXPECT_NEAR(sample.linear_acceleration.z(), 9.80665, 1e-6);
   EXPECT_NEAR(sample.angular_velocity.x(), 0.1, 1e-6);
 }
@@ -313,7 +313,7 @@ TEST(Hesai, XtPointsAreWhereAndWhenTheManualSays) {
     return laser == 15 ? 2500 + block : 0;  // 10 m, level
   });
   EXPECT_EQ(packet.size(), 1080U);
-  EXPECT_TRUE(sweeps.take(datagram(packet)).empty());
+  EXPECT_TRUE(sweeps.take(packet_in_datagram(packet)).empty());
   const Sweep sweep = sweeps.finish().value();
   ASSERT_EQ(sweep.points.size(), 8U);
   EXPECT_NEAR(sweep.points[0].x, 10.0F, 1e-4F) << "azimuth 90 is along x";
@@ -323,7 +323,7 @@ TEST(Hesai, XtPointsAreWhereAndWhenTheManualSays) {
   EXPECT_EQ(sweep.rings[0], 16) << "from the lowest up";
   EXPECT_EQ(sweep.points[0].intensity, 15.0F);
   // The first block is fired 7 x 50 µs before the last, which is 5.632 µs after the packet's time.
-  EXPECT_EQ(sweep.stamp, kUtc + Nanoseconds(123456000 + 5632 - 350000));
+  EXPECT_EQ(sweep.stamp, kUtcOffset + Nanoseconds(123456000 + 5632 - 350000));
   EXPECT_NEAR(sweep.times[0], 0.28e-6 + 15 * 1.512e-6, 1e-8);
   EXPECT_NEAR(sweep.times[7] - sweep.times[0], 350e-6, 1e-8);
 }
@@ -336,7 +336,7 @@ TEST(Hesai, SweepsBeginAtAzimuthZeroAndSecondReturnsThatAreTheSameAreLeftOut) {
     const Bytes packet = test::hesai_packet(
         {.lasers = 16, .mode = 0x39}, {azimuth, azimuth}, 10000 * i,
         [](auto block, auto laser) { return laser < 8 ? 1000 : 1000 + 500 * block; });
-    for (Sweep& sweep : sweeps.take(datagram(packet))) {
+    for (Sweep& sweep : sweeps.take(packet_in_datagram(packet))) {
       whole.push_back(std::move(sweep));
     }
   }
@@ -355,7 +355,7 @@ TEST(Hesai, OthersAreReadWithTheirAngleCorrection) {
       const double azimuth = 90.0 * i;
       const Bytes packet = test::hesai_packet(layout, {azimuth, azimuth + 0.2}, 25000 * i,
                                               [](auto, auto) { return 500; });
-      frames.push_back({kUtc, test::frames_of(packet, 2368).front()});
+      frames.push_back({kUtcOffset, test::frames_of(packet, 2368).front()});
     }
     const Bytes bytes = test::pcap(frames);
     const auto file =
@@ -370,7 +370,7 @@ TEST(Hesai, OthersAreReadWithTheirAngleCorrection) {
     EXPECT_NEAR(p.z, 2.0 * std::sin(10.0 * std::numbers::pi / 180.0), 1e-4);
     EXPECT_NEAR(std::atan2(p.x, p.y), -std::numbers::pi / 180.0, 1e-4);
     EXPECT_EQ(sweep.rings[0], 1);
-    EXPECT_NEAR(static_cast<double>((sweep.stamp - kUtc).count()), 0.0, 1e5);
+    EXPECT_NEAR(static_cast<double>((sweep.stamp - kUtcOffset).count()), 0.0, 1e5);
     EXPECT_NEAR(sweep.times.back(), 0.075F, 1e-4F);
   }
   folder.write("bad.csv", "1,10.0,x\n");
@@ -387,13 +387,13 @@ TEST(Hesai, ChannelsOfProtocol14HaveAByteMoreForEachOfThreeFlags) {
     const Bytes packet =
         test::hesai_packet(layout, {90.0, 90.2}, 123456,
                            [](auto block, auto laser) { return 1000 + 100 * block + laser; });
-    sweeps.take(datagram(packet));
+    sweeps.take(packet_in_datagram(packet));
     const Sweep sweep = sweeps.finish().value();
     ASSERT_EQ(sweep.points.size(), 4U) << flags;
     EXPECT_NEAR(distance(sweep.points[1]), 4.004, 1e-4) << flags;
     EXPECT_NEAR(distance(sweep.points[3]), 4.404, 1e-4) << flags;
     EXPECT_EQ(sweep.points[1].intensity, 1.0F) << flags;
-    EXPECT_NEAR(static_cast<double>((sweep.stamp - kUtc).count()), 123456000.0, 1e5) << flags;
+    EXPECT_NEAR(static_cast<double>((sweep.stamp - kUtcOffset).count()), 123456000.0, 1e5) << flags;
   }
 }
 
@@ -405,7 +405,9 @@ TEST(SensorPackets, CutPacketsAreNone) {
   for (const Bytes& whole : {xt, ot, livox}) {
     for (std::size_t size = 0; size + 4 < whole.size(); ++size) {
       const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
-      EXPECT_FALSE(is_livox_data(datagram(cut)) || hesai_packet(datagram(cut)).has_value()) << size;
+      EXPECT_FALSE(is_livox_data(packet_in_datagram(cut)) ||
+                   hesai_packet(packet_in_datagram(cut)).has_value())
+          << size;
     }
   }
 }
