@@ -99,7 +99,7 @@ TEST(NmeaHeadings, CutOffAndRandomTextIsNone) {
 
 TEST(Headings, MessagesAreReadInBothEncodings) {
   for (const Encoding encoding : {Encoding::ros1, Encoding::cdr}) {
-    ros::QuaternionStamped orientation{.header = test::header(3, "antenna")};
+    ros::QuaternionStamped orientation{.header = test::header(3, "antenna"), .quaternion = {}};
     orientation.quaternion = {0.0, 0.0, 2.0 * std::sin(0.5), 2.0 * std::cos(0.5)};  // scaled
     const auto values = events_in(orientation, encoding);
     ASSERT_EQ(values.size(), 1U);
