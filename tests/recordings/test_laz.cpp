@@ -209,9 +209,11 @@ TEST(LazChunk, IsByteForByteWhatOtherProgramsWrite) {
     const UnpackedChunk unpacked = unpack_laz_chunk(
         bytes_in(chunk), 2000, {.point_bytes = point_bytes, .layers = 9 + c.extra});
     EXPECT_TRUE(unpacked.is_whole);
-    ASSERT_EQ(unpacked.points.size(), points.size());
-    for (std::size_t at = 0; at < points.size(); at += point_bytes) {
-      ASSERT_EQ(unpacked.points.substr(at, kLas6Bytes), points.substr(at, kLas6Bytes)) << at;
+    ASSERT_EQ(unpacked.points.size(), 2000 * kLas6Bytes);
+    for (std::size_t i = 0; i < 2000; ++i) {
+      ASSERT_EQ(unpacked.points.substr(i * kLas6Bytes, kLas6Bytes),
+                points.substr(i * point_bytes, kLas6Bytes))
+          << i;
     }
   }
 }
