@@ -129,7 +129,8 @@ TEST(Program, HelpAndComplaintsSpeakToPeople) {
   expect_usage_error({"evaluate", "a", "b", "--tolerance", "-1"},
                      "'-1' is not possible; it takes a number from 0 to 1000000000");
   expect_usage_error({"view", "a", "--port", "65536"}, "--port");
-  expect_usage_error({"export", "a", "--cloud", "xyz"}, "'xyz' is none of ply, pcd or las");
+  expect_usage_error({"export", "a", "--cloud", "xyz"},
+                     "'xyz' is none of ply, pcd, las, laz or copc");
   expect_usage_error({"run", "a", "-o", "b", "--device"}, "--device lacks its DEVICE");
   const test::TemporaryFolder folder;
   expect_usage_error({"evaluate", folder.path().c_str()}, "is no folder of a run");

@@ -56,6 +56,27 @@ std::vector<Finding> found_of(const std::vector<int>& stamps_ms) {
   return find_in_topic(topic, statistics, {});
 }
 
+TEST(RecordingFindings, PointsThatAllHaveOneTimeAreNamed) {
+  const Topic topic{"/points", "sensor_msgs/PointCloud2", TopicKind::sweeps, 5};
+  const auto kinds_with = [&](float last) {
+    TopicStatistics statistics;
+    for (int i = 0; i < 5; ++i) {
+      Sweep sweep;
+      sweep.stamp = std::chrono::milliseconds(100 * i);
+      sweep.points = {{1.0F, 0.0F, 0.0F, 0.0F}, {2.0F, 0.0F, 0.0F, 0.0F}};
+      sweep.times = {0.0F, last};
+      statistics.add({.topic = 0, .received = sweep.stamp, .value = std::move(sweep)});
+    }
+    std::vector<std::string> kinds;
+    for (const Finding& finding : find_in_topic(topic, statistics, {})) {
+      kinds.push_back(finding.kind);
+    }
+    return kinds;
+  };
+  EXPECT_EQ(kinds_with(0.0F), std::vector<std::string>{"no_point_times"});
+  EXPECT_TRUE(kinds_with(0.09F).empty());
+}
+
 TEST(RecordingFindings, AGapIsFoundAmongFewSweepsToo) {
   EXPECT_TRUE(found_of({0, 100, 200, 300, 400}).empty());
   const std::vector<Finding> found = found_of({0, 100, 200, 29900, 30000});

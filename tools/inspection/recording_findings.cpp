@@ -246,7 +246,7 @@ void check_sweeps(const TopicStatistics& topic, TopicFindings& findings) {
         "about its z axis, and whose sweeps nobody has corrected, can be told: "
         "recording.spin_rate = -10 (turns a second, clockwise seen from above)");
   }
-  if (s.duration.count > 1 && s.duration.greatest <= 0.0) {
+  if (s.duration.count > 1 && s.duration.greatest <= 0.0 && s.points.greatest > 1.0) {
     findings.notice("no_point_times", "all points of a sweep have the same time",
                     "motion within a sweep cannot be corrected",
                     "Sensors that measure all at once have it so. Of a scanner the driver has left "
