@@ -115,6 +115,8 @@ std::vector<BadSetting> bad_settings() {
       {"gnss.noise_scale", [](Config& c) { c.gnss.noise_scale = 0; }, "between 0.1"},
       {"gnss.correlation", [](Config& c) { c.gnss.correlation = 0; }, "and 3600 s"},
       {"gnss.time_offset", [](Config& c) { c.gnss.time_offset = 1e12; }, "between"},
+      {"gnss.heading_sigma", [](Config& c) { c.gnss.heading_sigma = 0; }, "between"},
+      {"gnss.heading_offset", [](Config& c) { c.gnss.heading_offset = 2; }, "between"},
       {"velocity.T_lidar_sensor",
        [](Config& c) { c.velocity.T_lidar_sensor = {0, 0, 0, 0, 0, 0, 2}; },
        "quaternion has the length 1"},
