@@ -52,7 +52,7 @@ TEST(DeliveryPreset, MistakesAreNamedWithTheirLine) {
         std::pair("[[product]]\nfile = \"a\"\nexprt = \"--dump\"",
                   "line 3: a product has no exprt"),
         std::pair("[[product]]\nfile = \"a\"\nexport = \"--dump\"\nneeds = \"luck\"",
-                  "needs is 'luck': place or recording"),
+                  "needs is 'luck': place, recording or content"),
         std::pair("[[product]]\nfile = \"a\"\nexport = \"--dump\"\n"
                   "[[product]]\nfile = \"a\"\nexport = \"--dump\"",
                   "a stands twice"),
@@ -168,6 +168,12 @@ TEST_F(DeliverCommand, OneFileThatFailsDoesNotStopTheOthers) {
       "[[product]]\nfile = \"a.tif\"\nexport = \"--raster height --cell 1e9\"\n"
       "[[product]]\nfile = \"b.laz\"\nexport = \"--cloud laz\"\n");
   EXPECT_EQ(one.code, 1);
+  const Ran left_out = deliver(
+      "[[product]]\nfile = \"a.tif\"\nexport = \"--raster height --cell 1e9\"\nneeds = "
+      "\"content\"\n"
+      "[[product]]\nfile = \"b.laz\"\nexport = \"--cloud laz\"\n");
+  EXPECT_EQ(left_out.code, 0);
+  EXPECT_NE(left_out.err.find("left out  a.tif"), std::string::npos) << left_out.err;
   EXPECT_NE(one.err.find("1 of 2 files could not be written"), std::string::npos) << one.err;
   EXPECT_TRUE(fs::exists(folder_ / "out" / "b.laz"));
   EXPECT_EQ(test::content(folder_ / "out" / "README.md").find("a.tif"), std::string::npos);

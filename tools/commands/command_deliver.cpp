@@ -144,6 +144,8 @@ Delivered write_products(const std::vector<DeliveryProduct>& wanted, const MapDa
     } else if (run_export(map.file(), folder / product.file, words) == 0) {
       record.add(product, state);
       delivered.there.push_back(product);
+    } else if (product.optional) {
+      err << "left out  " << product.file << " (see the message above)\n";
     } else {
       ++delivered.failed;
     }

@@ -35,7 +35,8 @@ constexpr std::string_view kDefault = R"(# What `adit deliver` writes, a [[produ
 #   file    its name in the folder
 #   export  the options of `adit export` that write it, without the map, -o and the coordinates
 #   about   a sentence for whoever gets it
-#   needs   "place": the map has to lie on the Earth; "recording": its recording has to be there
+#   needs   "place": the map has to lie on the Earth; "recording": its recording has to be there;
+#           "content": left out where the map has nothing for it
 # A product whose needs are not met is left out, with a note.
 
 [[product]]
@@ -63,6 +64,7 @@ needs = "recording"
 file = "plan.dxf"
 export = "--plan"
 about = "Floor plans (DXF): plan_0.dxf of the lowest storey, and so on; walls as lines, 1.2 m above the floor."
+needs = "content"
 
 [[product]]
 file = "grid.yaml"
@@ -147,8 +149,9 @@ DeliveryProduct parse_product(const toml::table& table, const fs::path& file) {
   const std::string needs = text_of(table, "needs", file);
   product.needs_place = needs == "place";
   product.needs_recording = needs == "recording";
-  if (!needs.empty() && !product.needs_place && !product.needs_recording) {
-    refuse_preset(file, table, "needs is '" + needs + "': place or recording");
+  product.optional = needs == "content";
+  if (!needs.empty() && !product.needs_place && !product.needs_recording && !product.optional) {
+    refuse_preset(file, table, "needs is '" + needs + "': place, recording or content");
   }
   return product;
 }

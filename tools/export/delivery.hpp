@@ -22,6 +22,7 @@ struct DeliveryProduct {
   std::string about{};                 ///< a sentence for whoever gets it
   bool needs_place = false;            ///< a map without a place on the Earth has none
   bool needs_recording = false;        ///< made of the recording that the map is of
+  bool optional = false;               ///< left out where the map has nothing for it
 };
 
 /// The text of the preset that is used where none is named, TOML.
