@@ -222,10 +222,10 @@ struct GnssConfig {
     field(
         "heading", self.heading, "",
         "true: headings of recording.heading_topic count together with the fixes; false: they are "
-        "left alone");
+        "not used");
     field("heading_mounting", self.heading_mounting, "rad",
           "yaw of the heading sensor's x axis in the lidar's axes, counter-clockwise; where it is "
-          "not given, the recording's static transforms tell it, or else it is 0");
+          "not given, that of the recording's static transforms, or else 0");
     field("heading_sigma", self.heading_sigma, "rad",
           "standard deviation of a heading that comes without one");
     field("heading_offset", self.heading_offset, "rad",

@@ -50,7 +50,7 @@ bool can_agree(HeadingVerdict verdict) {
 
 }  // namespace
 
-// An axis that leans would tell of tilts, too: a roll of a radian turns one that rises by 5 mrad as
+// An axis that leans would measure tilts, too: a roll of a radian turns one that rises by 5 mrad as
 // far as a heading's noise does, and before a map is levelled nothing else holds its roll.
 MeasuredHeading as_measured(const MapHeading& heading, const PoseGraph& graph,
                             const WorldFrame& frame) {
@@ -150,7 +150,7 @@ void HeadingTies::assess(const PoseGraph& graph, const Eigen::Matrix3d& levellin
   }
   yaw_.reset();
   report_.offset.reset();
-  // A frozen one says something of its source, too: that it is not to be believed.
+  // A frozen one counts against its source.
   report_.asked = part.size() + report_.verdicts[static_cast<std::size_t>(HeadingVerdict::frozen)];
   report_.agreeing = 0;
   report_.state = any() ? HeadingState::waiting : HeadingState::none;

@@ -75,12 +75,13 @@ struct HeadingReport {
   std::size_t left_out = 0;                              ///< not finite
   std::array<std::size_t, kHeadingVerdicts> verdicts{};  ///< by HeadingVerdict
   HeadingState state = HeadingState::none;
-  std::size_t asked = 0;           ///< those that could agree on the map's yaw
-  std::size_t agreeing = 0;        ///< and those that do
-  std::optional<double> offset{};  ///< rad, of them against the fixes; none: fixes do not tell it
-  double offset_sigma = 0.0;       ///< rad, of what it may be if both are right
-  double innovation = 0.0;         ///< rad, rms of what is left of the used ones
-  bool placed = false;             ///< the map's first place came by them
+  std::size_t asked = 0;     ///< those that could agree on the map's yaw
+  std::size_t agreeing = 0;  ///< and those that do
+  std::optional<double>
+      offset{};               ///< rad, of them against the fixes; none: fixes do not give a yaw
+  double offset_sigma = 0.0;  ///< rad, of what it may be if both are right
+  double innovation = 0.0;    ///< rad, rms residual of the used ones
+  bool placed = false;        ///< the map's first place came by them
 };
 
 }  // namespace adit

@@ -61,6 +61,7 @@ Matrix3d levelling(const PoseGraph& graph) {
 
 void WorldTies::begin_behind(std::vector<MapFix> fixes, std::vector<MapHeading> headings,
                              const std::optional<Georeference>& georeference) {
+  const bool has_headings = !headings.empty();
   headings_.begin_behind(std::move(headings));
   fixes_ = std::move(fixes);
   earlier_ = judged_ = tried_ = report_.fixes = fixes_.size();
@@ -72,6 +73,7 @@ void WorldTies::begin_behind(std::vector<MapFix> fixes, std::vector<MapHeading> 
   }
   if (georeference) {
     frame_.emplace(georeference->origin);
+    placed_by_headings_ = has_headings && count(FixVerdict::used) < kFewestFixes;
   }
 }
 

@@ -172,7 +172,7 @@ class WorldTies {
   HeadingTies headings_;
   std::size_t assessed_ = 0;           ///< how many fixes there were when the headings were judged
   std::size_t assessed_headings_ = 0;  ///< and how many of these
-  bool placed_by_headings_ = false;    ///< frame_ is; fixes alone do not tell the place yet
+  bool placed_by_headings_ = false;    ///< frame_ is; fixes alone do not give the place yet
   double optimized_path_ = 0.0;        ///< m, of the last used fix in the last optimisation
   std::size_t optimized_nodes_ = 0;
   std::size_t used_since_ = 0;

@@ -124,7 +124,7 @@ class TieCost final : public ceres::SizedCostFunction<Residual::kRows, kBlock, k
   Residual residual_;
 };
 
-/// Holds T_world_map near its start in what neither fixes nor levels tell of it. Headings place a
+/// Holds T_world_map near its start in what neither fixes nor levels determine. Headings place a
 /// map that a straight way has not levelled yet, and fixes along a line leave its roll about that
 /// free: with them the tilt is held to what an upright map has at the start of a run.
 class WorldPrior final : public ceres::SizedCostFunction<6, kBlock> {

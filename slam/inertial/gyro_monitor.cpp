@@ -21,7 +21,6 @@ constexpr size_t kMostTurns = 150;
 constexpr int kBetweenChecks = 20;
 constexpr double kLongestTurn = 0.35;  // s; over longer ones the rotation vector is no integral
 constexpr double kMostOffset = 0.3;    // s
-constexpr double kSameSpan = 0.01;     // s: sweeps whose durations differ by more tell no turn
 constexpr Nanoseconds kKept = std::chrono::seconds(1);       // samples before the first turn
 constexpr Nanoseconds kMostKept = std::chrono::seconds(60);  // though no turns come
 // Less turning than this, root mean square, tells nothing. rad a turn
@@ -183,22 +182,19 @@ void GyroMonitor::add(const ImuSample& sample) {
 }
 
 void GyroMonitor::add(const StampedPose& alignment, const SweepMotion* deskewed) {
-  StampedPose mean = alignment;
+  MeanAttitude mean{.stamp = alignment.stamp, .R_world_sensor = alignment.pose.linear()};
   if (deskewed != nullptr) {
-    mean.pose.linear() = alignment.pose.linear() * so3_exp(mean_turn(*deskewed));
+    mean.span = deskewed->last - deskewed->first;
+    mean.R_world_sensor = alignment.pose.linear() * so3_exp(mean_turn(*deskewed));
   }
-  const double span = deskewed != nullptr ? deskewed->last - deskewed->first : 0.0;
-  if (last_ && alignment.stamp <= last_->stamp) {
+  if (last_ && mean.stamp <= last_->stamp) {
     turns_.clear();
-  } else if (last_ && seconds(alignment.stamp - last_->stamp) < kLongestTurn &&
-             std::abs(span - last_span_) < kSameSpan) {
-    turns_.push_back({.begin = last_->stamp,
-                      .end = alignment.stamp,
-                      .rotation = so3_log(last_->pose.linear().transpose() * mean.pose.linear()),
-                      .mean_over = 0.5 * (span + last_span_)});
-    ++unchecked_;
+  } else if (last_ && seconds(mean.stamp - last_->stamp) < kLongestTurn) {
+    if (const std::optional<RotationInterval> turn = turn_between(*last_, mean)) {
+      turns_.push_back(*turn);
+      ++unchecked_;
+    }
   }
-  last_span_ = span;
   last_ = mean;
   if (turns_.size() > kMostTurns) {
     turns_.pop_front();

@@ -70,9 +70,8 @@ class GyroMonitor {
  private:
   std::deque<ImuSample> samples_;
   std::deque<RotationInterval> turns_;
-  std::optional<StampedPose> last_;
-  double last_span_ = 0.0;  ///< s, of that sweep
-  int unchecked_ = 0;       ///< turns since the last check
+  std::optional<MeanAttitude> last_;
+  int unchecked_ = 0;  ///< turns since the last check
 };
 
 }  // namespace adit

@@ -24,6 +24,7 @@ namespace {
 constexpr double kLeastCorrelation = 0.8;
 constexpr double kGridStep = 0.01;  // s
 constexpr double kFarOff = 0.35;    // rad
+constexpr double kSameSpan = 0.01;  // s
 
 /// The sums over all intervals at one offset, means taken off: a gyroscope's bias is in its mean.
 struct Moments {
@@ -152,6 +153,16 @@ Eigen::Vector3d mounting_sigma(const RotationFit& fit) {
 }
 
 }  // namespace
+
+std::optional<RotationInterval> turn_between(const MeanAttitude& from, const MeanAttitude& to) {
+  if (to.stamp <= from.stamp || !(std::abs(to.span - from.span) < kSameSpan)) {
+    return std::nullopt;
+  }
+  return RotationInterval{.begin = from.stamp,
+                          .end = to.stamp,
+                          .rotation = so3_log(from.R_world_sensor.transpose() * to.R_world_sensor),
+                          .mean_over = 0.5 * (to.span + from.span)};
+}
 
 std::vector<RotationInterval> covered_rotations(std::span<const RotationInterval> rotations,
                                                 std::span<const ImuSample> gyroscope,

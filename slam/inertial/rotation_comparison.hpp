@@ -28,6 +28,17 @@ struct RotationInterval {
   double mean_over = 0.0;
 };
 
+/// The mean attitude of a sensor over a sweep: what aligning the sweep measures.
+struct MeanAttitude {
+  Nanoseconds stamp{0};  ///< of the sweep's start
+  double span = 0.0;     ///< s, how long the sweep is; 0: taken as at once
+  Eigen::Matrix3d R_world_sensor = Eigen::Matrix3d::Identity();
+};
+
+/// The turn from one sweep to a later one. None where they are not in order, or where their spans
+/// differ by 10 ms or more: one of them lacks a part, and with it its mean.
+std::optional<RotationInterval> turn_between(const MeanAttitude& from, const MeanAttitude& to);
+
 struct RotationComparison {
   /// s. The same motion has later times at the gyroscope by this much (earlier if negative).
   double offset = 0.0;

@@ -315,7 +315,7 @@ TEST(Headings, AWrongSourceIsRefusedAndLeavesTheMapAsWithoutIt) {
       {"5 degrees", [](MapHeading& one, auto, auto&) { one.yaw += 5.0 * kDegree; }},
       {"noisy", [&](MapHeading& one, auto, auto&) { one.yaw += noise(random); }},
       {"stuck", [](MapHeading& one, auto, auto& first) { one.yaw = first.yaw; }}};
-  // RTK fixes tell the yaw after some metres, single ones after a hundred.
+  // RTK fixes give the yaw after some metres, single ones after a hundred.
   for (const auto& [sigma, nodes] : {std::pair(0.02, NodeId{40}), std::pair(1.5, NodeId{300})}) {
     HeadingDrive right(nodes, sigma, 4);
     HeadingDrive without = right;
@@ -351,7 +351,7 @@ TEST(Headings, OutliersAmongThemAreFound) {
             ties.report().heading.verdicts[static_cast<std::size_t>(HeadingVerdict::used)]);
 }
 
-TEST(Headings, ASteepAxisHasNoneAndTheStatedErrorIsNotBelievedBelowWhatAntennasCan) {
+TEST(Headings, ASteepAxisHasNoneAndTheErrorCountsAsNoLessThanAntennasReach) {
   HeadingDrive drive(60, 0.02);
   for (MapHeading& heading : drive.headings) {
     heading.axis_keyframe = Vector3d(0.2, 0.0, 1.0).normalized();

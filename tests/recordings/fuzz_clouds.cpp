@@ -25,7 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
       }
       const adit::Sweep sweep = parse("input", content, reading).sweep;
       adit::test::require_valid(sweep);
-      if (sweep.points.size() > 2048 * size) {  // the most that a chunk of LAZ is believed
+      if (sweep.points.size() > 2048 * size) {  // of a chunk of LAZ at most
         std::abort();
       }
     } catch (const adit::InputError&) {

@@ -112,11 +112,11 @@ TEST(Headings, MessagesAreReadInBothEncodings) {
     EXPECT_THROW(events_in(orientation, encoding), ros::CodecError);
 
     ros::Sentence sentence{.header = test::header(4, "antenna"), .sentence = nmea("GPHDT,90.0,T")};
-    const auto told = events_in(sentence, encoding);
-    ASSERT_EQ(told.size(), 1U);
-    EXPECT_NEAR(std::get<Heading>(told[0]).yaw, kEast, 1e-12);
+    const auto read = events_in(sentence, encoding);
+    ASSERT_EQ(read.size(), 1U);
+    EXPECT_NEAR(std::get<Heading>(read[0]).yaw, kEast, 1e-12);
     sentence.sentence = nmea("GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,");
-    EXPECT_TRUE(events_in(sentence, encoding).empty()) << "other sentences tell no heading";
+    EXPECT_TRUE(events_in(sentence, encoding).empty()) << "other sentences have no heading";
   }
 }
 

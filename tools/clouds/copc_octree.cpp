@@ -18,8 +18,9 @@ constexpr std::size_t kPartBuffer = 64 << 10;  // bytes that wait for their part
 // Parts are found by counting points in cells of so many levels below, 1024 a side: their number is
 // bounded by the ground that a survey covers.
 constexpr int32_t kCountedLevels = 10;
-constexpr int32_t kDeepestLevel = 20;      // places times cells a side stay below 2^64
-constexpr std::size_t kNodesAtATime = 16;  // packed at the same time, on as many processors
+constexpr int32_t kDeepestLevel = 20;  // places times cells a side stay below 2^64
+constexpr std::size_t kNodesAtATime =
+    16;  // taken together, so that they are packed on all processors
 
 uint64_t packed_key(const VoxelKey& key) {
   return (static_cast<uint64_t>(key.x) << 42) | (static_cast<uint64_t>(key.y) << 21) |

@@ -29,7 +29,6 @@ LasWriter::LasWriter(std::filesystem::path path, LasHeading heading, LasPacking 
   file_.write(records_.bytes);
   if (packed) {
     chunks_.emplace(file_, first.size() + records_.bytes.size(), kLasPointBytes);
-    file_.overwrite(0, header());
   }
 }
 

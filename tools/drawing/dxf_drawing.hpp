@@ -19,7 +19,7 @@ struct DxfLayer {
   int color = 7;
 };
 
-/// Lines, open or closed polylines and points in metres, z = 0 unless something else is said.
+/// Lines, open or closed polylines and points in metres, z = 0 by default.
 class DxfDrawing {
  public:
   /// `remark` stands at the head of the file, for people.

@@ -19,7 +19,6 @@ namespace adit {
 namespace {
 
 constexpr double kMostOffset = 0.5;             // s
-constexpr double kSameDuration = 0.01;          // s: other sweeps lack a part, and its mean
 constexpr double kHarmlessOffset = 0.02;        // s: what distorted sweeps can feign
 constexpr double kHarmlessMisalignment = 0.09;  // rad, 5 degrees
 
@@ -69,8 +68,7 @@ std::vector<RotationInterval> rotations_of(const Recording& recording,
   std::vector<RotationInterval> rotations;
   std::vector<double> intervals;
   ClockShift shift;
-  std::optional<StampedPose> last;  // tracked
-  double last_duration = 0.0;       // s, of the sweep before
+  std::optional<MeanAttitude> last;  // tracked
   std::optional<Nanoseconds> last_stamp;
   const EventSelection selection{.topics = {check.pair.sweep_topic},
                                  .begin = check.pair.stretch.begin,
@@ -90,25 +88,20 @@ std::vector<RotationInterval> rotations_of(const Recording& recording,
     check.point_times = check.point_times || duration > 0.0;
     const SweepResult result = place(sweep);
     check.mapped.push_back(sweep_record(check.mapped.size(), result));
-    // An alignment measures the mean attitude of a sweep. De-skewing assumed a turn from the pose
-    // to that mean.
-    StampedPose pose{sweep.stamp, result.T_map_lidar};
-    pose.pose.linear() = result.T_map_lidar.linear() * so3_exp(result.deskewed_turn);
+    // Its pose less the turn to the mean that de-skewing assumed.
+    const MeanAttitude mean{
+        .stamp = sweep.stamp,
+        .span = duration,
+        .R_world_sensor = result.T_map_lidar.linear() * so3_exp(result.deskewed_turn)};
     if (result.state != OdometryState::tracking) {
-      last = result.state == OdometryState::coasting ? std::nullopt : std::optional(pose);
+      last = result.state == OdometryState::coasting ? std::nullopt : std::optional(mean);
       return;
     }
     ++check.tracked;
-    const bool alike = std::abs(duration - last_duration) < kSameDuration;
-    last_duration = duration;
-    if (last && last->stamp < pose.stamp && alike) {
-      rotations.push_back(
-          {.begin = last->stamp,
-           .end = pose.stamp,
-           .rotation = so3_log(last->pose.linear().transpose() * pose.pose.linear()),
-           .mean_over = duration});
+    if (const auto turn = last ? turn_between(*last, mean) : std::nullopt) {
+      rotations.push_back(*turn);
     }
-    last = pose;
+    last = mean;
   });
   for (RotationInterval& one : rotations) {
     one.begin += shift.value();

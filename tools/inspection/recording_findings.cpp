@@ -250,7 +250,7 @@ void check_sweeps(const TopicStatistics& topic, TopicFindings& findings) {
     findings.notice("no_point_times", "all points of a sweep have the same time",
                     "motion within a sweep cannot be corrected",
                     "Sensors that measure all at once have it so. Of a scanner the driver has left "
-                    "the field empty: set its model of the sensor");
+                    "the field empty: set the model of the sensor in its parameters");
   }
   if (const std::optional<Sector> sector = s.blocked_sector()) {
     findings.notice("blocked_sector",

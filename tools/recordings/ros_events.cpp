@@ -104,10 +104,11 @@ BodyVelocity to_event(const TwistWithCovarianceStamped& twist, const RawMessage&
                   twist.header.frame);
 }
 
+// Of the length of a quaternion: numbers that drivers round, not numbers of something else.
+constexpr double kMostUnlikeOne = 0.1;
+
 /// The yaw of the x axis in the axes east, north, up. Throws CodecError where the numbers are no
 /// rotation.
-constexpr double kMostUnlikeOne = 0.1;  // of the length of a quaternion, as drivers round it
-
 double heading_of(const Quaternion& q) {
   const Eigen::Vector3d axis = isometry({}, q).linear().col(0);
   return std::atan2(axis.y(), axis.x());

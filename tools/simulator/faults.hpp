@@ -40,7 +40,7 @@ enum class Fault {
   heading_noisy,     ///< by 20 degrees (standard deviation), each by another error
   heading_stuck,     ///< the first one is repeated
   heading_outliers,  ///< one in 10 is anything
-  wheel_scale,       ///< the wheels read 5 % too much: other tyres than the driver was told of
+  wheel_scale,       ///< the wheels read 5 % too much: other tyres than the driver assumes
   wheel_slip,        ///< they spin: 10 % too much for 2 s, once in every 10 s
   wheel_stuck,       ///< the encoder is dead: always zero
   wheel_units,       ///< km/h
