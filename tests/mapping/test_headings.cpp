@@ -171,31 +171,35 @@ class HeadingDrive {
 
   WorldTies run(const GnssConfig& config = {}) {
     WorldTies ties(config);
-    PoseGraph growing;
+    graph_ = PoseGraph();
     placed_at_.reset();
     georeference_.reset();
+    go_on(ties, 0, static_cast<NodeId>(truth_.size()));
+    return ties;
+  }
+
+  /// A session of these nodes, behind those that the graph has.
+  void go_on(WorldTies& ties, NodeId begin, NodeId end) {
     const auto keep = [&](const WorldTies::Change& change, NodeId id) {
       placed_at_ = !placed_at_ && change.georeference ? std::optional(id) : placed_at_;
       georeference_ = change.georeference ? change.georeference : georeference_;
       stored_ = change.headings.value_or(stored_);
     };
-    for (NodeId id = 0; id < static_cast<NodeId>(truth_.size()); ++id) {
-      growing.add_node({.id = id, .T_map_node = truth_[static_cast<std::size_t>(id)]});
+    for (NodeId id = begin; id < end; ++id) {
+      graph_.add_node({.id = id, .T_map_node = truth_[static_cast<std::size_t>(id)]});
       if (id >= levelled_from) {
-        growing.add_level({.node = id, .information = 2500.0});
+        graph_.add_level({.node = id, .information = 2500.0});
       }
       if (id > 0) {
-        growing.add_edge(test::edge(id - 1, id, test::step(1.0, 0.02), 1e4));
-        growing.set_pose(id, growing.nodes()[static_cast<std::size_t>(id) - 1].T_map_node *
-                                 test::step(1.0, 0.02));
+        graph_.add_edge(test::edge(id - 1, id, test::step(1.0, 0.02), 1e4));
+        graph_.set_pose(id, graph_.nodes()[static_cast<std::size_t>(id) - 1].T_map_node *
+                                test::step(1.0, 0.02));
       }
       ties.add(of_node(fixes, id));
       ties.add(of_node(headings, id));
-      keep(ties.take_effect(growing, id), id);
+      keep(ties.take_effect(graph_, id), id);
     }
-    keep(ties.finish(growing), static_cast<NodeId>(truth_.size()));
-    graph_ = growing;
-    return ties;
+    keep(ties.finish(graph_), end);
   }
 
   /// rad, of the map against the truth; none: it has no place.
@@ -216,6 +220,7 @@ class HeadingDrive {
   }
   const std::optional<NodeId>& placed_at() const { return placed_at_; }
   const std::vector<MapHeading>& stored() const { return stored_; }
+  const std::optional<Georeference>& georeference() const { return georeference_; }
   const PoseGraph& graph() const { return graph_; }
 
   std::vector<MapFix> fixes;
@@ -268,6 +273,31 @@ TEST(Headings, PlaceTheMapAtOnceByASingleFix) {
       << "as one heading that is right to 1 degree";
   drive.headings.clear();
   EXPECT_FALSE(drive.run().report().georeference) << "without them one fix places no map";
+}
+
+// A single fix and headings placed it, wrongly: nothing contradicted them then.
+TEST(Headings, AContinuedMapIsPlacedByItsFixesOnceTheyAreEnough) {
+  HeadingDrive drive(200, 0.02);
+  std::erase_if(drive.fixes,
+                [](const MapFix& fix) { return fix.keyframe > 0 && fix.keyframe < 40; });
+  std::erase_if(drive.headings, [](const MapHeading& heading) { return heading.keyframe >= 40; });
+  for (MapHeading& heading : drive.headings) {
+    heading.yaw += 20.0 * kDegree;
+  }
+  WorldTies first({});
+  drive.go_on(first, 0, 40);
+  ASSERT_TRUE(drive.georeference());
+  EXPECT_GT(std::abs(drive.yaw_error()), 15.0 * kDegree);
+  EXPECT_FALSE(drive.stored().empty());
+
+  MapFix used = drive.fixes.front();
+  used.verdict = FixVerdict::used;
+  used.information = used.covariance.inverse();
+  WorldTies second({});
+  second.begin_behind({used}, drive.stored(), drive.georeference());
+  drive.go_on(second, 40, 200);
+  EXPECT_LT(std::abs(drive.yaw_error()), 1.0 * kDegree);
+  EXPECT_TRUE(drive.stored().empty());
 }
 
 // A sensor that has not turned yet has no level, and its axis rises by some milliradians: a roll of
