@@ -9,6 +9,7 @@
 
 #include "adit/slam/gnss/first_part.hpp"
 #include "adit/slam/gnss/gnss_noise.hpp"
+#include "adit/slam/gnss/heading_consensus.hpp"
 #include "adit/slam/gnss/world_covariance.hpp"
 #include "adit/slam/graph/graph_residuals.hpp"
 #include "adit/slam/graph/loop_optimization.hpp"
@@ -246,11 +247,18 @@ bool WorldTies::find_place(PoseGraph& graph, const PlaceNeeds& needs) {
   for (std::size_t i = 0; i < part.size(); ++i) {
     set_verdict(part[i], found->agrees[i] ? FixVerdict::used : FixVerdict::outlier);
   }
-  placed_by_headings_ = false;
   frame_.emplace(fixes_[agreeing.front()].place);
   const std::optional<WorldFit> again = fit(graph, part, *frame_, false);
   Eigen::Isometry3d T_world_map = (again ? *again : *found).T_world_map;
   T_world_map.linear() *= levelling(graph);
+  if (std::exchange(placed_by_headings_, false)) {
+    const double turn =
+        rotation_angle(T_world_map.linear() * graph.T_world_map().linear().transpose());
+    const double sigma = std::hypot(found->yaw_sigma, config_.heading_offset, kMapYaw);
+    if (turn * turn > kHeadingGate * sigma * sigma) {
+      headings_.forget_place();  // the fixes contradict them
+    }
+  }
   graph.set_T_world_map(orthonormalized(T_world_map));
   return true;
 }
