@@ -34,24 +34,6 @@ std::vector<DeliveryProduct> products_of(const DeliverCommandOptions& options) {
                         : parse_delivery(default_delivery(), "the built-in preset");
 }
 
-/// What all products' points are in; empty: the map's own frame.
-std::string coordinates_text(const MapDatabase& map, const DeliveryPlace& place) {
-  ExportCommandOptions options;
-  options.map = map.file();
-  options.origin = place.origin;
-  options.crs = place.crs;
-  options.geoid = place.geoid;
-  const MemoryLimit memory(0, 0);
-  const ExportJob job{
-      .map = &map,
-      .options = &options,
-      .file = {},
-      .georeference = place.origin ? parse_origin(*place.origin) : map.georeference(),
-      .memory = &memory};
-  const ProductCoordinates coordinates = coordinates_of(job, true);
-  return coordinates.frame() == ProductFrame::map ? "" : coordinates.name();
-}
-
 /// Whether a file of the recording can be read still.
 bool has_recording(const MapDatabase& map, const DeliveryPlace& place) {
   if (place.recording) {
@@ -159,7 +141,7 @@ int deliver(const DeliverCommandOptions& options, std::ostream& out, std::ostrea
   const MapDatabase map(file, MapAccess::read);
   DeliveryPlace place = options.place;
   place.on_earth = place.origin || map.georeference();
-  const std::string system = coordinates_text(map, place);
+  const std::string system = delivery_system(map, place);
   const fs::path page = options.folder / "README.md";
   check_folder(options.folder, page);
   make_folder(options.folder);

@@ -34,9 +34,11 @@
 #include "adit/tools/commands/command_loops.hpp"
 #include "adit/tools/commands/command_merge.hpp"
 #include "adit/tools/commands/command_optimize.hpp"
+#include "adit/tools/commands/command_plan.hpp"
 #include "adit/tools/commands/command_record.hpp"
 #include "adit/tools/commands/command_recover.hpp"
 #include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/commands/command_shard.hpp"
 #include "adit/tools/commands/command_simulate.hpp"
 #include "adit/tools/commands/command_split.hpp"
 #include "adit/tools/commands/command_view.hpp"
@@ -135,6 +137,8 @@ int parse_and_run(std::span<const char* const> given, std::span<const AddCommand
   add_optimize_command(app, done);
   add_merge_command(app, done);
   add_split_command(app, done);
+  add_plan_command(app, done);
+  add_shard_command(app, done);
   add_changes_command(app, done);
   add_devices_command(app, done);
   add_config_command(app, done);

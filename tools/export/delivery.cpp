@@ -14,6 +14,8 @@
 
 #include "adit/slam/core/text.hpp"
 #include "adit/tools/clouds/las_layout.hpp"
+#include "adit/tools/export/export_job.hpp"
+#include "adit/tools/export/export_options.hpp"
 #include "adit/tools/support/fingerprint.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"
@@ -369,6 +371,23 @@ void DeliveryRecord::keep() const {
     record[name] = state;
   }
   replace_text_file(folder_ / kRecordFile, record.dump(2) + "\n");
+}
+
+std::string delivery_system(const MapDatabase& map, const DeliveryPlace& place) {
+  ExportCommandOptions options;
+  options.map = map.file();
+  options.origin = place.origin;
+  options.crs = place.crs;
+  options.geoid = place.geoid;
+  const MemoryLimit memory(0, 0);
+  const ExportJob job{
+      .map = &map,
+      .options = &options,
+      .file = {},
+      .georeference = place.origin ? parse_origin(*place.origin) : map.georeference(),
+      .memory = &memory};
+  const ProductCoordinates coordinates = coordinates_of(job, true);
+  return coordinates.frame() == ProductFrame::map ? "" : coordinates.name();
 }
 
 std::string delivery_page(const MapDatabase& map, const std::string& system,

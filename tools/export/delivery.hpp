@@ -45,6 +45,10 @@ struct DeliveryPlace {
 /// product takes them. Points of a map on the Earth are in one system in all files.
 std::vector<std::string> export_words(const DeliveryProduct& product, const DeliveryPlace& place);
 
+/// What all products' points are in, by name; empty: the map's own frame. Throws UsageError where
+/// the place is none.
+std::string delivery_system(const MapDatabase& map, const DeliveryPlace& place);
+
 /// What the page says of a product's coordinates. `system`: that of the points; empty: the map has
 /// no place.
 std::string coordinates_of_product(const DeliveryProduct& product, const std::string& system);

@@ -11,9 +11,7 @@
 
 #include "adit/slam/core/median.hpp"
 #include "adit/slam/graph/relative_covariance.hpp"
-#include "adit/tools/map_database/unfinished_map.hpp"
 #include "adit/tools/map_merge/merge_report.hpp"
-#include "adit/tools/map_merge/tied_maps.hpp"
 
 namespace adit {
 namespace {
@@ -199,23 +197,24 @@ std::vector<MapApart> maps_apart(const std::vector<MergeInput>& inputs, const Me
   return apart;
 }
 
+MergeOutcome write_merged_map(const TiedMaps& tied, const UnfinishedMap& unfinished) {
+  if (!tied.world) {
+    return {.apart = maps_apart(tied.inputs, tied.merged)};
+  }
+  const Numbered numbered = numbered_sessions(tied.inputs, tied.merged);
+  MergeOutcome outcome = outcome_of(tied.inputs, tied.merged, *tied.world, numbered);
+  write_merged(unfinished.part(), tied.inputs, tied.merged, *tied.world, numbered);
+  unfinished.take_its_place();
+  return outcome;
+}
+
 MergeOutcome merge_job(const MergeCommandOptions& options,
                        const std::function<bool(const MergeStep&)>& on_step) {
   require_free_output(options.maps, options.output);
   std::vector<MergeInput> opened = open_merge_inputs(options.maps);
   const UnfinishedMap unfinished(options.output);
-  const TiedMaps tied = tie_maps(std::move(opened), options.device, options.settings, on_step);
-  const std::vector<MergeInput>& inputs = tied.inputs;
-  const MergedMap& merged = tied.merged;
-  if (!tied.world) {
-    return {.apart = maps_apart(inputs, merged)};
-  }
-  const MergedWorld& world = *tied.world;
-  const Numbered numbered = numbered_sessions(inputs, merged);
-  MergeOutcome outcome = outcome_of(inputs, merged, world, numbered);
-  write_merged(unfinished.part(), inputs, merged, world, numbered);
-  unfinished.take_its_place();
-  return outcome;
+  return write_merged_map(tie_maps(std::move(opened), options.device, options.settings, on_step),
+                          unfinished);
 }
 
 }  // namespace adit

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "adit/slam/mapping/map_merge.hpp"
+#include "adit/tools/map_database/unfinished_map.hpp"
 #include "adit/tools/map_merge/merge_inputs.hpp"
+#include "adit/tools/map_merge/tied_maps.hpp"
 #include "adit/tools/setup/device_session.hpp"
 
 namespace adit {
@@ -69,6 +71,10 @@ struct MergeOutcome {
 
 /// The maps that are tied to none of the others, with their reasons.
 std::vector<MapApart> maps_apart(const std::vector<MergeInput>& inputs, const MergedMap& merged);
+
+/// Writes maps that are tied as one, unless nothing was tied to anything. Throws InputError and
+/// OutputError; then nothing is written.
+MergeOutcome write_merged_map(const TiedMaps& tied, const UnfinishedMap& unfinished);
 
 /// Writes the merged map, unless nothing was tied to anything. The inputs are only read.
 /// `on_step` as of merge_maps(). Throws UsageError, InputError, LockedError, OutputError,

@@ -45,6 +45,21 @@ std::vector<WorldPart> world_parts(const std::vector<MergeInput>& inputs, const 
   return parts;
 }
 
+std::vector<const MapStore*> stores_of(const std::vector<MergeInput>& inputs) {
+  std::vector<const MapStore*> stores;
+  for (const MergeInput& input : inputs) {
+    stores.push_back(input.map.get());
+  }
+  return stores;
+}
+
+std::optional<MergedWorld> placed(const TiedMaps& tied, const Config& config) {
+  return tied.merged.parts.size() > 1
+             ? std::optional(place_in_world(tied.merged.graph,
+                                            world_parts(tied.inputs, tied.merged), config.gnss))
+             : std::nullopt;
+}
+
 }  // namespace
 
 TiedMaps tie_maps(std::vector<MergeInput> inputs, const DeviceOptions& device,
@@ -52,17 +67,20 @@ TiedMaps tie_maps(std::vector<MergeInput> inputs, const DeviceOptions& device,
                   const std::function<bool(const MergeStep&)>& on_step) {
   TiedMaps tied{.inputs = std::move(inputs)};
   const Config config = config_of(tied.inputs);
-  std::vector<const MapStore*> stores;
-  for (const MergeInput& input : tied.inputs) {
-    stores.push_back(input.map.get());
-  }
   DeviceSession session(device);
-  tied.merged = merge_maps(session.context(), config, stores, {}, settings, on_step);
+  tied.merged =
+      merge_maps(session.context(), config, stores_of(tied.inputs), {}, settings, on_step);
   session.require_no_complaints();
-  if (tied.merged.parts.size() > 1) {
-    tied.world =
-        place_in_world(tied.merged.graph, world_parts(tied.inputs, tied.merged), config.gnss);
-  }
+  tied.world = placed(tied, config);
+  return tied;
+}
+
+TiedMaps join_tied_maps(std::vector<MergeInput> inputs, std::span<const MapTie> ties) {
+  TiedMaps tied{.inputs = std::move(inputs)};
+  JoinedMaps joined = join_maps(stores_of(tied.inputs), ties);
+  tied.merged = std::move(joined.merged);
+  tied.contradicted = std::move(joined.contradicted);
+  tied.world = placed(tied, config_of(tied.inputs));
   return tied;
 }
 

@@ -153,4 +153,10 @@ Fingerprint fingerprint(const std::vector<fs::path>& paths) {
   return result;
 }
 
+std::string text_hash(std::string_view text) {
+  Hash hash;
+  hash.add(text.data(), text.size());
+  return hash.text();
+}
+
 }  // namespace adit

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace adit {
@@ -22,5 +23,8 @@ Fingerprint fingerprint(const std::filesystem::path& path);
 
 /// Of several, in whatever order; of one the same as above.
 Fingerprint fingerprint(const std::vector<std::filesystem::path>& paths);
+
+/// Of a text: XXH3, 128 bits, hexadecimal.
+std::string text_hash(std::string_view text);
 
 }  // namespace adit

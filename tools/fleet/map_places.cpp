@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/fleet/map_places.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "adit/slam/loops/loop_voting.hpp"
+#include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/input_file.hpp"
+
+namespace adit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// m. Two keyframes that see the same are about so near to each other: a lidar's usual range in a
+// street. A map that is known no better than that is compared with all others.
+constexpr double kReach = 30.0;
+
+using Cell = std::pair<int64_t, int64_t>;
+
+Cell cell_of(const Eigen::Vector3d& position) {
+  return {static_cast<int64_t>(std::floor(position.x() / kReach)),
+          static_cast<int64_t>(std::floor(position.y() / kReach))};
+}
+
+/// Keyframes of a map by cell.
+using Cells = std::map<Cell, std::size_t>;
+
+std::vector<Cells> cells_of(std::span<const MapPlaces> maps) {
+  std::optional<WorldFrame> frame;
+  std::vector<Cells> all;
+  for (const MapPlaces& map : maps) {
+    Cells& cells = all.emplace_back();
+    for (const Geodetic& place : map.places) {
+      if (!frame) {
+        frame.emplace(place);
+      }
+      ++cells[cell_of(frame->position_of(place))];
+    }
+  }
+  return all;
+}
+
+/// Keyframes that lie in cells of the other map or beside them.
+std::size_t near_ones(const Cells& one, const Cells& other) {
+  std::size_t near = 0;
+  for (const auto& [cell, keyframes] : one) {
+    bool found = false;
+    for (int64_t i = -1; i <= 1; ++i) {
+      for (int64_t k = -1; k <= 1; ++k) {
+        found = found || other.contains({cell.first + i, cell.second + k});
+      }
+    }
+    near += found ? keyframes : 0;
+  }
+  return near;
+}
+
+}  // namespace
+
+MapPlaces places_of(const MapDatabase& map) {
+  const std::vector<MapKeyframe> keyframes = map.keyframes();
+  const std::optional<Georeference> georeference = map.georeference();
+  MapPlaces places{.keyframes = keyframes.size()};
+  if (!georeference || georeference->covariance.topLeftCorner<2, 2>().trace() > kReach * kReach) {
+    return places;
+  }
+  const WorldFrame frame(georeference->origin);
+  for (const MapKeyframe& keyframe : keyframes) {
+    places.places.push_back(
+        frame.place_of(georeference->T_world_map * keyframe.T_map_keyframe.translation()));
+  }
+  return places;
+}
+
+std::string to_json(const MapPlaces& places) {
+  Json json;
+  json["keyframes"] = places.keyframes;
+  json["places"] = Json::array();
+  for (const Geodetic& place : places.places) {
+    json["places"].push_back({place.latitude, place.longitude, place.altitude});
+  }
+  return json.dump() + "\n";
+}
+
+MapPlaces read_places(const std::filesystem::path& file) {
+  try {
+    const Json json = Json::parse(read_text_file(file));
+    MapPlaces places{.keyframes = json.at("keyframes").get<std::size_t>()};
+    for (const Json& place : json.at("places")) {
+      const auto numbers = place.get<std::array<double, 3>>();
+      places.places.push_back(
+          {.latitude = numbers[0], .longitude = numbers[1], .altitude = numbers[2]});
+    }
+    return places;
+  } catch (const Json::exception& error) {
+    throw InputError(file, {}, std::string("it does not say where a map lies: ") + error.what(),
+                     "Remove the folder it is in, and run the shard of that map again");
+  }
+}
+
+std::vector<MapPair> pairs_to_search(std::span<const MapPlaces> maps) {
+  const std::vector<Cells> cells = cells_of(maps);
+  const std::size_t least = LoopVotingSettings{}.least_unexpected;  // that a tie needs
+  std::vector<MapPair> pairs;
+  for (std::size_t one = 0; one < maps.size(); ++one) {
+    for (std::size_t other = one + 1; other < maps.size(); ++other) {
+      if (cells[one].empty() || cells[other].empty() ||
+          near_ones(cells[one], cells[other]) >= least) {
+        pairs.emplace_back(one, other);
+      }
+    }
+  }
+  return pairs;
+}
+
+}  // namespace adit
