@@ -35,7 +35,7 @@ GROUPS = [
     "tools/foxglove", "tools/viewer", "tools/setup", "tools/report", "tools/run", "tools/map_merge",
     "tools/map_changes", "tools/dds",
     "tools/dds_plugin", "tools/publishing", "tools/live", "tools/evaluation",
-    "tools/inspection", "tools/export", "tools/cli", "tools/commands",
+    "tools/inspection", "tools/export", "tools/fleet", "tools/cli", "tools/commands",
     "benchmarks/reference", "benchmarks/verify", "benchmarks", "tools/python", "tests",
 ]
 # Includes of the project's own files begin so, that none can collide with a user's.

@@ -37,6 +37,7 @@ COMMANDS = {
         ["optimize", "json/map.adit", "--control", "points.csv", "--utm", "32N", "--json"],
         ["info", "json/map.adit", "--json"]],
     "adit merge --json": [["merge", "one", "two", "json", "-o", "merged.adit", "--json"]],
+    "adit plan --json": [["plan", "fleet.toml", "-o", "plan", "--json"]],
     "adit split --json": [["split", "merged.adit", "--session", "2", "-o", "split.adit", "--json"]],
     "adit changes --json": [["changes", "merged.adit", "--json"]],
     "adit devices --json": [["devices", "--json"]],

@@ -3,11 +3,10 @@
 #include "adit/tools/commands/command_shard.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
-#include <cstdlib>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <span>
 #include <system_error>
 #include <utility>
@@ -16,6 +15,7 @@
 
 #include "adit/tools/cli/command_guard.hpp"
 #include "adit/tools/cli/shared_options.hpp"
+#include "adit/tools/fleet/array_index.hpp"
 #include "adit/tools/fleet/fleet_stages.hpp"
 #include "adit/tools/fleet/shard_run.hpp"
 #include "adit/tools/support/child_process.hpp"
@@ -25,15 +25,10 @@
 namespace adit {
 namespace {
 
-/// What starts jobs by an index tells it by one of these.
-constexpr std::array kIndices = {"SLURM_ARRAY_TASK_ID", "AWS_BATCH_JOB_ARRAY_INDEX",
-                                 "JOB_COMPLETION_INDEX"};
-
-std::string index_of_environment() {
-  for (const char* const name : kIndices) {
-    if (const char* const value = std::getenv(name)) {
-      return value;
-    }
+/// The index that whatever started this process has given it.
+std::string given_index() {
+  if (const std::optional<std::string> index = array_index()) {
+    return *index;
   }
   throw UsageError(
       "say which shard: adit shard PLAN N, or --all. None of SLURM_ARRAY_TASK_ID, "
@@ -41,7 +36,7 @@ std::string index_of_environment() {
 }
 
 const Shard& chosen(const FleetPlan& plan, const ShardCommandOptions& options) {
-  const std::string which = options.which.empty() ? index_of_environment() : options.which;
+  const std::string which = options.which.empty() ? given_index() : options.which;
   std::span<const Shard> shards = plan.shards;
   if (!options.stage.empty()) {
     const auto stage = stage_named(options.stage);

@@ -32,6 +32,11 @@ fs::path index_of(const FleetPlan& plan) {
   return plan.folder / "index" / "pairs.json";
 }
 
+/// In the plan's folder, wherever that lies.
+fs::path relative_map(const std::string& name) {
+  return fs::path("maps") / name / "map.adit";
+}
+
 /// SQLite wants its files on a disk of this machine: a copy of a map, NAME.adit.
 fs::path local_copy(const FleetPlan& plan, const std::string& name, const fs::path& folder) {
   const fs::path copy = folder / (name + ".adit");
@@ -83,7 +88,7 @@ std::string map_name(const Shard& shard) {
 }
 
 fs::path map_of(const FleetPlan& plan, const std::string& name) {
-  return plan.folder / "maps" / name / "map.adit";
+  return plan.folder / relative_map(name);
 }
 
 fs::path tie_of(const FleetPlan& plan, const FleetIndex& index, const MapPair& pair) {
@@ -188,12 +193,12 @@ void solve_fleet(const FleetPlan& plan, const fs::path& into) {
   const TiedMaps tied = join_tied_maps(std::move(inputs), ties);
   MergeOutcome outcome = write_merged_map(tied, unfinished);
   for (MergedSession& session : outcome.sessions) {
-    session.from = map_of(plan, name_of_copy(session.from));
+    session.from = relative_map(name_of_copy(session.from));
   }
   for (MapApart& map : outcome.apart) {
-    map.file = map_of(plan, name_of_copy(map.file));
+    map.file = relative_map(name_of_copy(map.file));
   }
-  const MergeCommandOptions options{.output = plan.folder / "site" / "map.adit"};
+  const MergeCommandOptions options{.output = fs::path("site") / "map.adit"};
   std::string text = describe(options, outcome);
   for (const std::size_t tie : tied.contradicted) {
     text += "left out  the tie of " + index.maps[pair_of[tie].first] + " and " +

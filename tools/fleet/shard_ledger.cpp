@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/fleet/shard_ledger.hpp"
 
-#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <string_view>
 #include <system_error>
 
 #include <fcntl.h>
@@ -49,6 +49,26 @@ void append_line(const fs::path& file, const std::string& line) {
   }
 }
 
+/// A line of a shard's starts. One that was cut off when a machine lost power says nothing.
+void note_in(std::vector<ShardStart>& starts, std::string_view line) {
+  try {
+    const Json json = Json::parse(line);
+    const std::string event = json.value("event", "");
+    const ShardStart one{.key = json.value("key", ""),
+                         .host = json.value("host", ""),
+                         .process = json.value("process", int64_t{0}),
+                         .time = json.value("time", int64_t{0})};
+    if (event == "start") {
+      starts.push_back(one);
+    }
+    for (ShardStart& start : starts) {
+      start.ended = start.ended || event == "forgiven" ||
+                    (event == "end" && start.host == one.host && start.process == one.process);
+    }
+  } catch (const Json::exception&) {
+  }
+}
+
 }  // namespace
 
 std::optional<ShardResult> ShardLedger::read(const char* folder, const std::string& shard) const {
@@ -58,7 +78,7 @@ std::optional<ShardResult> ShardLedger::read(const char* folder, const std::stri
     return std::nullopt;
   }
   try {
-    const Json json = Json::parse(read_text_file(file));
+    const Json json = Json::parse(read_whole_file(file));
     return ShardResult{.key = json.value("key", ""),
                        .hash = json.value("hash", ""),
                        .reason = json.value("reason", ""),
@@ -101,25 +121,10 @@ std::vector<ShardStart> ShardLedger::starts(const std::string& shard) const {
   if (!fs::exists(file, error)) {
     return starts;
   }
-  const std::string text = read_text_file(file);
+  const std::string text = read_whole_file(file);
   LineReader lines(text);
   while (const auto line = lines.next()) {
-    const Json json = Json::parse(*line, nullptr, false);
-    if (!json.is_object()) {
-      continue;  // cut off when a machine lost power
-    }
-    const ShardStart one{.key = json.value("key", ""),
-                         .host = json.value("host", ""),
-                         .process = json.value("process", int64_t{0}),
-                         .time = json.value("time", int64_t{0})};
-    const std::string event = json.value("event", "");
-    if (event == "start") {
-      starts.push_back(one);
-    }
-    for (ShardStart& start : starts) {
-      start.ended = start.ended || event == "forgiven" ||
-                    (event == "end" && start.host == one.host && start.process == one.process);
-    }
+    note_in(starts, *line);
   }
   return starts;
 }

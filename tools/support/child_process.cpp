@@ -6,7 +6,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
-#include <thread>
 
 #include <fcntl.h>
 #include <sys/prctl.h>
@@ -20,8 +19,8 @@
 namespace adit {
 namespace {
 
-constexpr int kNotStarted = 127;                        // as shells have it
-constexpr std::chrono::milliseconds kBetweenLooks{20};  // at a child that takes seconds
+constexpr int kNotStarted = 127;              // as shells have it
+constexpr useconds_t kBetweenLooks = 20'000;  // us, at a child that takes seconds
 
 double seconds_of(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
@@ -80,7 +79,7 @@ ChildOutcome run_child(const ChildProcess& child) {
       passed_on = StopSignal::received();
       kill(process, passed_on);
     }
-    std::this_thread::sleep_for(kBetweenLooks);
+    usleep(kBetweenLooks);
   }
   return {
       .code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status),

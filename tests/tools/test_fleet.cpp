@@ -1,0 +1,271 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Fleets: their files, plans, and shards that fail in all ways. A script stands in for adit.
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "adit/tests/mapping/map_support.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/fleet/fleet_file.hpp"
+#include "adit/tools/fleet/fleet_plan.hpp"
+#include "adit/tools/fleet/fleet_status.hpp"
+#include "adit/tools/fleet/job_scripts.hpp"
+#include "adit/tools/fleet/map_places.hpp"
+#include "adit/tools/fleet/shard_run.hpp"
+#include "adit/tools/support/input_error.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FleetTest : public ::testing::Test {
+ protected:
+  FleetTest() {
+    for (const char* const name : {"a/drive.mcap", "b/drive.mcap", "b/walk.mcap"}) {
+      folder.write(name, name);
+    }
+    folder.write("adit", "#!/bin/sh\nexit 0\n");
+  }
+
+  std::string refusal(const std::string& text) const {
+    try {
+      read_fleet(folder.write("fleet.toml", text));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  FleetPlan planned(const std::string& text = "recordings = [\"*/*.mcap\"]\n") const {
+    const FleetPlan plan =
+        plan_fleet(read_fleet(folder.write("fleet.toml", text)), folder / "plan");
+    write_plan(plan);
+    return plan;
+  }
+
+  /// What `adit` does from now on: $* are its words.
+  void program_does(const std::string& text) const {
+    const fs::path file = folder.write("adit", "#!/bin/sh\n" + text);
+    fs::permissions(file, fs::perms::owner_all);
+  }
+
+  int run(const FleetPlan& plan, std::size_t shard) {
+    std::ostringstream out;
+    std::ostringstream err;
+    const int code = run_shard(plan, plan.shards.at(shard), folder / "adit", out, err);
+    said = out.str() + err.str();
+    return code;
+  }
+
+  ShardState state(const FleetPlan& plan, std::size_t shard) const {
+    return standings_of(plan, FleetStage::report).at(shard).state;
+  }
+
+  test::TemporaryFolder folder;
+  std::string said;
+};
+
+TEST_F(FleetTest, ItsFileNamesRecordingsAndOptions) {
+  const Fleet fleet = read_fleet(folder.write("fleet.toml", R"(
+recordings = ["a/*.mcap"]
+run = "--no-map --config my.toml"
+[[recording]]
+path = ["b/drive.mcap", "b/walk.mcap"]
+name = "both"
+run = ["--set", "a.b=with blank"]
+[merge]
+same_site = true
+shards = 3
+[deliver]
+crs = "EPSG:25832"
+)"));
+  ASSERT_EQ(fleet.recordings.size(), 2U);
+  EXPECT_EQ(fleet.recordings[0].name, "both");
+  EXPECT_EQ(fleet.recordings[0].parts.size(), 2U);
+  EXPECT_EQ(fleet.recordings[0].options.back(), "a.b=with blank");
+  EXPECT_EQ(fleet.recordings[0].options.size(), 5U);
+  EXPECT_EQ(fleet.recordings[1].parts.front(), folder / "a/drive.mcap");
+  EXPECT_TRUE(fleet.same_site);
+  EXPECT_EQ(fleet.pair_shards, 3U);
+  EXPECT_EQ(fleet.place.crs, "EPSG:25832");
+  EXPECT_GT(fleet.products.size(), 5U);
+}
+
+TEST_F(FleetTest, MistakesInItsFileAreNamedWithTheirLine) {
+  for (const auto& [text, part] :
+       {std::pair("a = ", "line 1: it is no TOML"), std::pair("", "fewer than two recordings"),
+        std::pair("recordings = [\"a/*.mcap\"]", "fewer than two recordings"),
+        std::pair("recordings = 3", "recordings is no list of texts"),
+        std::pair("recordings = [\"c/*.mcap\"]", "there is no "),
+        std::pair("recordings = [\"a/*\", \"a/drive.mcap\"]", "is named twice"),
+        std::pair("record = []", "line 1: 'record' is unknown in a fleet"),
+        std::pair("[[recording]]\nname = \"a\"", "a recording has no path"),
+        std::pair("[[recording]]\npath = \"a/drive.mcap\"\nname = \"../a\"",
+                  "'../a' cannot be the name of a folder"),
+        std::pair("recording = 3", "recording is written [[recording]]"),
+        std::pair("recordings = [\"*/*.mcap\"]\n[merge]\nshards = 0", "shards is not between"),
+        std::pair("recordings = [\"*/*.mcap\"]\n[merge]\nsame_site = 1",
+                  "line 3: same_site is no true or false"),
+        std::pair("recordings = [\"*/*.mcap\"]\n[deliver]\ncsr = \"a\"", "'csr' is unknown")}) {
+    EXPECT_NE(refusal(text).find(part), std::string::npos) << text << "\n" << refusal(text);
+  }
+}
+
+TEST_F(FleetTest, ThePlanIsReadBackAsItWasWritten) {
+  const FleetPlan plan = planned();
+  const FleetPlan read = read_plan(folder / "plan");
+  ASSERT_EQ(read.shards.size(), plan.shards.size());
+  for (std::size_t i = 0; i < plan.shards.size(); ++i) {
+    EXPECT_EQ(read.shards[i].id, plan.shards[i].id);
+    EXPECT_EQ(read.shards[i].words, plan.shards[i].words);
+    EXPECT_EQ(read.shards[i].number, plan.shards[i].number);
+    EXPECT_EQ(read.shards[i].memory, plan.shards[i].memory);
+  }
+  EXPECT_EQ(read.products.size(), plan.products.size());
+  EXPECT_EQ(plan.of(FleetStage::map).size(), 3U);
+  EXPECT_EQ(plan.of(FleetStage::pairs).size(), 3U) << "no more than pairs";
+  EXPECT_EQ(plan.shards[1].id, "map-drive-2");
+}
+
+TEST_F(FleetTest, NamesStayWhereARecordingIsAdded) {
+  EXPECT_EQ(planned("recordings = [\"b/*.mcap\"]").shards.front().id, "map-drive");
+  const FleetPlan plan = planned();
+  EXPECT_EQ(plan.shards[0].inputs.front(), folder / "a/drive.mcap");
+  EXPECT_EQ(plan.shards[0].id, "map-drive-2");
+  EXPECT_EQ(plan.shards[1].id, "map-drive");
+}
+
+TEST_F(FleetTest, TheSameRecordingTwiceIsRefused) {
+  folder.write("b/drive.mcap", "a/drive.mcap");
+  EXPECT_THROW(planned("recordings = [\"*/drive.mcap\"]"), InputError);
+}
+
+TEST_F(FleetTest, DamagedPlansAreRefused) {
+  planned();
+  EXPECT_THROW(read_plan(folder / "a"), InputError);
+  const std::string whole = [&] {
+    std::ostringstream text;
+    text << std::ifstream(folder / "plan/shards.jsonl").rdbuf();
+    return text.str();
+  }();
+  for (std::size_t length = 1; length < whole.size(); length += 97) {
+    folder.write("plan/shards.jsonl", whole.substr(0, length));
+    try {
+      static_cast<void>(read_plan(folder / "plan"));
+    } catch (const InputError&) {
+    }
+  }
+  folder.write("plan/plan.json", "[]");
+  EXPECT_THROW(read_plan(folder / "plan"), InputError);
+}
+
+TEST_F(FleetTest, AShardWaitsForEarlierStages) {
+  const FleetPlan plan = planned();
+  EXPECT_EQ(run(plan, 3), kShardAgain);
+  EXPECT_NE(said.find("index waits for map-drive"), std::string::npos) << said;
+}
+
+TEST_F(FleetTest, AFailureHasItsReasonAndIsNotTriedAgainByItself) {
+  const FleetPlan plan = planned();
+  program_does("echo it began\necho adit run: the recording is broken >&2\nexit 1\n");
+  EXPECT_EQ(run(plan, 0), kShardFailed);
+  EXPECT_EQ(state(plan, 0), ShardState::failed);
+  EXPECT_NE(describe_fleet(plan).find("failed   map-drive: adit run: the recording is broken"),
+            std::string::npos);
+  EXPECT_EQ(run(plan, 0), kShardFailed);
+  EXPECT_NE(said.find("has failed before"), std::string::npos);
+  ShardLedger(plan.folder).forgive("map-drive");
+  EXPECT_EQ(state(plan, 0), ShardState::waiting);
+}
+
+TEST_F(FleetTest, ARunWithoutAMapHasFailed) {
+  const FleetPlan plan = planned();
+  program_does("exit 0\n");
+  EXPECT_EQ(run(plan, 0), kShardFailed);
+  EXPECT_NE(said.find("its run has made no map"), std::string::npos) << said;
+}
+
+TEST_F(FleetTest, AMapIsTakenAndStays) {
+  const FleetPlan plan = planned();
+  test::write_full_map(folder / "made.adit");
+  program_does("[ \"$1 $3\" = \"run -o\" ] && mkdir -p \"$4\" && cp " +
+               (folder / "made.adit").string() + " \"$4/map.adit\"\n");
+  EXPECT_EQ(run(plan, 0), kShardDone) << said;
+  EXPECT_TRUE(fs::exists(plan.folder / "maps/drive/map.adit"));
+  EXPECT_EQ(read_places(plan.folder / "maps/drive/places.json").keyframes, 6U);
+  program_does("exit 1\n");
+  EXPECT_EQ(run(plan, 0), kShardDone);
+  EXPECT_NE(said.find("kept   map-drive"), std::string::npos);
+  EXPECT_EQ(ShardLedger(plan.folder).starts("map-drive").size(), 1U) << "it ran once";
+  folder.write("a/drive.mcap", "another one");
+  EXPECT_EQ(state(planned(), 0), ShardState::waiting) << "its recording is another one";
+  EXPECT_EQ(run(plan, 0), kShardDone) << "as planned";
+}
+
+TEST_F(FleetTest, AChangedRecordingIsNoticed) {
+  const FleetPlan plan = planned();
+  folder.write("a/drive.mcap", "another one");
+  EXPECT_EQ(run(plan, 0), kShardFailed);
+  EXPECT_NE(said.find("has changed since the plan was made"), std::string::npos);
+}
+
+TEST_F(FleetTest, AKilledShardIsTriedThreeTimes) {
+  const FleetPlan plan = planned();
+  program_does("kill -9 $$\n");
+  for (std::size_t i = 0; i < kMostStarts; ++i) {
+    EXPECT_EQ(run(plan, 0), kShardAgain) << said;
+    EXPECT_EQ(state(plan, 0), ShardState::running) << "or killed";
+  }
+  EXPECT_EQ(run(plan, 0), kShardFailed);
+  EXPECT_NE(said.find("it was begun 3 times"), std::string::npos);
+}
+
+TEST_F(FleetTest, DamagedRecordsAreAsNone) {
+  const FleetPlan plan = planned();
+  program_does("exit 1\n");
+  EXPECT_EQ(run(plan, 0), kShardFailed);
+  for (const char* const text : {"", "{", "[]", "{\"key\": 3}", "\xff\xfe"}) {
+    folder.write("plan/failed/map-drive.json", text);
+    folder.write("plan/starts/map-drive.jsonl", text);
+    EXPECT_EQ(state(plan, 0), ShardState::waiting) << text;
+  }
+}
+
+TEST_F(FleetTest, ScriptsHaveAJobForEachStage) {
+  const FleetPlan plan = planned();
+  const auto scripts = slurm_scripts(plan, "/opt/adit's/bin/adit", {.at_once = 5, .cores = 3});
+  ASSERT_EQ(scripts.size(), 2U);
+  EXPECT_NE(scripts[0].text.find("'/opt/adit'\\''s/bin/adit' shard"), std::string::npos);
+  EXPECT_NE(scripts[1].text.find("--job-name=adit-map --array=0-2%5 --cpus-per-task=3"),
+            std::string::npos)
+      << scripts[1].text;
+  const auto parallel = parallel_scripts(plan, "adit", {});
+  EXPECT_NE(parallel[0].text.find("seq 0 2 | parallel -q 'adit' shard"), std::string::npos)
+      << parallel[0].text;
+}
+
+TEST(MapPlaces, OnlyMapsNearEachOtherArePairs) {
+  const Geodetic origin{.latitude = 48.7, .longitude = 9.2, .altitude = 30.0};
+  const WorldFrame frame(origin);
+  const auto line = [&](double from) {
+    MapPlaces places{.keyframes = 20};
+    for (int i = 0; i < 20; ++i) {
+      places.places.push_back(frame.place_of({from + 10.0 * i, 0.0, 0.0}));
+    }
+    return places;
+  };
+  const std::vector<MapPlaces> maps = {line(0.0), line(150.0), line(1000.0), {.keyframes = 5}};
+  const std::vector<MapPair> expected = {{0, 1}, {0, 3}, {1, 3}, {2, 3}};
+  EXPECT_EQ(pairs_to_search(maps), expected) << "one without a place may be anywhere";
+}
+
+}  // namespace
+}  // namespace adit
