@@ -267,5 +267,28 @@ TEST(MapPlaces, OnlyMapsNearEachOtherArePairs) {
   EXPECT_EQ(pairs_to_search(maps), expected) << "one without a place may be anywhere";
 }
 
+TEST(MapPlaces, FixesThatDoNotPlaceAMapSayWhereToLookForIt) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "map.adit";
+  {
+    MapDatabase map(file, MapAccess::write);
+    const SessionId session = test::add_session(map);
+    for (NodeId id = 0; id < 4; ++id) {
+      KeyframeRecord keyframe = test::record_of_a_point(id, session);
+      const double sigma = id == 3 ? 100.0 : 3.0;
+      keyframe.fixes = {{.id = id + 1,
+                         .keyframe = id,
+                         .stamp = keyframe.keyframe.stamp,
+                         .place = {.latitude = 48.0, .longitude = 9.0 + 0.001 * double(id)},
+                         .covariance = sigma * sigma * Eigen::Matrix3d::Identity()}};
+      map.store(keyframe);
+    }
+  }
+  const MapPlaces places = places_of(MapDatabase(file, MapAccess::read));
+  EXPECT_EQ(places.keyframes, 4U);
+  ASSERT_EQ(places.places.size(), 3U) << "one is known too roughly";
+  EXPECT_NEAR(places.places[2].longitude, 9.002, 1e-9);
+}
+
 }  // namespace
 }  // namespace adit

@@ -24,6 +24,10 @@ using Json = nlohmann::ordered_json;
 // street. A map that is known no better than that is compared with all others.
 constexpr double kReach = 30.0;
 
+bool is_near(const Eigen::Matrix2d& covariance) {
+  return covariance.trace() < kReach * kReach;
+}
+
 using Cell = std::pair<int64_t, int64_t>;
 
 Cell cell_of(const Eigen::Vector3d& position) {
@@ -68,15 +72,21 @@ std::size_t near_ones(const Cells& one, const Cells& other) {
 
 MapPlaces places_of(const MapDatabase& map) {
   const std::vector<MapKeyframe> keyframes = map.keyframes();
-  const std::optional<Georeference> georeference = map.georeference();
   MapPlaces places{.keyframes = keyframes.size()};
-  if (!georeference || georeference->covariance.topLeftCorner<2, 2>().trace() > kReach * kReach) {
+  const std::optional<Georeference> georeference = map.georeference();
+  if (georeference && is_near(georeference->covariance.topLeftCorner<2, 2>())) {
+    const WorldFrame frame(georeference->origin);
+    for (const MapKeyframe& keyframe : keyframes) {
+      places.places.push_back(
+          frame.place_of(georeference->T_world_map * keyframe.T_map_keyframe.translation()));
+    }
     return places;
   }
-  const WorldFrame frame(georeference->origin);
-  for (const MapKeyframe& keyframe : keyframes) {
-    places.places.push_back(
-        frame.place_of(georeference->T_world_map * keyframe.T_map_keyframe.translation()));
+  std::set<NodeId> placed;
+  for (const MapFix& fix : map.fixes()) {
+    if (is_near(fix.covariance.topLeftCorner<2, 2>()) && placed.insert(fix.keyframe).second) {
+      places.places.push_back(fix.place);
+    }
   }
   return places;
 }

@@ -19,10 +19,12 @@ namespace adit {
 /// Where a map's keyframes lie on the Earth.
 struct MapPlaces {
   std::size_t keyframes = 0;
-  std::vector<Geodetic> places{};  ///< of its keyframes; empty: it is not known, or too roughly
+  /// Of its keyframes; of a map without a place in the world of those that have a fix. Empty: it is
+  /// not known, or too roughly.
+  std::vector<Geodetic> places{};
 };
 
-/// Of a map.
+/// Of a map. Fixes that are too few to place a map say all the same where to look for it.
 MapPlaces places_of(const MapDatabase& map);
 
 /// JSON, and back. Throws InputError where the file holds something else.
