@@ -185,9 +185,8 @@ def ran_since(adit, plan, before):
 
 def simulate(adit, folder, sessions, duration):
     for k in range(sessions):
-        gnss = ["--gnss", "single"] if k % 3 == 0 else []
         run(adit, "simulate", "city", "--seed", 7002, "--noise-seed", 100 + k, "--later", 60 * k, "--begin",
-            120 * k, "--duration", duration, "--speed", 8, "--quiet", *gnss, "-o", folder / f"rec_{k:02}.mcap")
+            120 * k, "--duration", duration, "--speed", 8, "--gnss", "single", "--quiet", "-o", folder / f"rec_{k:02}.mcap")
 
 
 def main():

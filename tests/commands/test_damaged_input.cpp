@@ -23,7 +23,7 @@ using test::FuzzedCommand;
 #ifdef __SANITIZE_ADDRESS__
 constexpr uint64_t kCases = 1;
 #else
-constexpr uint64_t kCases = 3;
+constexpr uint64_t kCases = 2;
 #endif
 
 class DamagedInput : public test::DeviceTest {};

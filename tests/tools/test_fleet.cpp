@@ -19,6 +19,7 @@
 #include "adit/tools/fleet/job_scripts.hpp"
 #include "adit/tools/fleet/map_places.hpp"
 #include "adit/tools/fleet/shard_run.hpp"
+#include "adit/tools/fleet/shared_files.hpp"
 #include "adit/tools/support/input_error.hpp"
 
 namespace adit {
@@ -250,6 +251,23 @@ TEST_F(FleetTest, ScriptsHaveAJobForEachStage) {
   const auto parallel = parallel_scripts(plan, "adit", {});
   EXPECT_NE(parallel[0].text.find("seq 0 2 | parallel -q 'adit' shard"), std::string::npos)
       << parallel[0].text;
+}
+
+TEST(SharedFiles, WhatAKilledProcessHasLeftGoes) {
+  const test::TemporaryFolder folder;
+  const std::string mine = ".a.txt." + host_name() + ".";
+  const fs::path killed = folder.write(mine + "999999999", "half");
+  const fs::path running = folder.write(mine + "1", "half");
+  const fs::path elsewhere = folder.write(".a.txt.another-machine.999999999", "half");
+  put_text(folder / "a.txt", "whole");
+  EXPECT_FALSE(fs::exists(killed));
+  EXPECT_TRUE(fs::exists(running));
+  EXPECT_TRUE(fs::exists(elsewhere));
+  folder.write("from/b/c.txt", "new");
+  folder.write("to/b/old.txt", "old");
+  put_copy(folder / "from", folder / "to");
+  EXPECT_TRUE(fs::exists(folder / "to/b/c.txt"));
+  EXPECT_FALSE(fs::exists(folder / "to/b/old.txt"));
 }
 
 TEST(MapPlaces, OnlyMapsNearEachOtherArePairs) {

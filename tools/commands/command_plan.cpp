@@ -127,7 +127,7 @@ void add_plan_command(Command app, std::function<void(int)> done) {
                "Write run_parallel.sh, for GNU parallel, into the plan's folder");
   command.option("--at-once", options->jobs.at_once, "In scripts: shards at the same time, at most")
       .value_name("N");
-  command.option("--cores", options->jobs.cores, "For Slurm: processor cores a shard")
+  command.option("--cores", options->jobs.cores, "In scripts: processor cores a shard")
       .value_name("N")
       .from(1)
       .show_default();

@@ -60,6 +60,8 @@ std::vector<JobScript> slurm_scripts(const FleetPlan& plan, const fs::path& prog
       "#!/bin/sh\n"
       "# One shard of the stage $1, by SLURM_ARRAY_TASK_ID. Written by `adit plan --slurm`.\n"
       "#SBATCH --requeue\n"
+      "# Mesa's driver in software; a GPU's takes no notice.\n"
+      "export LP_NUM_THREADS=\"${{SLURM_CPUS_PER_TASK:-{}}}\"\n"
       "{} --stage \"$1\"\n"
       "code=$?\n"
       "# Killed, or nothing that the shard is at fault for: back into the queue.\n"
@@ -68,7 +70,7 @@ std::vector<JobScript> slurm_scripts(const FleetPlan& plan, const fs::path& prog
       "  scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}\"\n"
       "fi\n"
       "exit $code\n",
-      shard_command(plan, program), kShardAgain, kMostTries - 1);
+      settings.cores, shard_command(plan, program), kShardAgain, kMostTries - 1);
   std::string submit =
       "#!/bin/sh\n"
       "# Hands in an array job a stage. A recording that fails does not stop the others: each\n"
@@ -98,7 +100,8 @@ std::vector<JobScript> parallel_scripts(const FleetPlan& plan, const fs::path& p
   std::string text =
       "#!/bin/sh\n"
       "# Runs all shards by GNU parallel, stage by stage. Run it again after a failure: what is\n"
-      "# done is kept. The exit code is that of the last stage.\n";
+      "# done is kept. The exit code is that of the last stage.\n" +
+      fmt::format("export LP_NUM_THREADS={}\n", settings.cores);
   const std::string jobs = settings.at_once > 0 ? fmt::format(" --jobs {}", settings.at_once) : "";
   for (const FleetStage stage : kFleetStages) {
     const std::size_t shards = plan.of(stage).size();

@@ -3,6 +3,9 @@
 #include "adit/tools/fleet/shared_files.hpp"
 
 #include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
 #include <system_error>
 
 #include <unistd.h>
@@ -33,11 +36,26 @@ void make_folder_of(const fs::path& file) {
   require(error, file);
 }
 
+/// Drafts of the same file that killed processes of this machine have left.
+void remove_orphans(const fs::path& file) {
+  const std::string begin = "." + file.filename().string() + "." + host_name() + ".";
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(file.parent_path(), error)) {
+    const std::string name = entry.path().filename().string();
+    const int process = name.starts_with(begin) ? std::atoi(name.c_str() + begin.size()) : 0;
+    if (process > 0 && kill(process, 0) != 0 && errno == ESRCH) {
+      std::error_code ignored;
+      fs::remove_all(entry.path(), ignored);
+    }
+  }
+}
+
 /// A draft that goes away unless it took its place.
 class SharedDraft {
  public:
   explicit SharedDraft(const fs::path& file) : file_(file), path_(draft_of(file)) {
     make_folder_of(file);
+    remove_orphans(file);
   }
   ~SharedDraft() {
     std::error_code ignored;
