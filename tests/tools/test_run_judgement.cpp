@@ -4,6 +4,7 @@
 // What `adit run` says at its end.
 #include "adit/tools/run/run_judgement.hpp"
 
+#include <algorithm>
 #include <sstream>
 #include <string>
 
@@ -20,7 +21,7 @@ std::string said_of(const RunDescription& run) {
   const RunStatistics statistics{run.config};
   std::ostringstream said;
   EXPECT_GE(judge_run(outcome, statistics, run, said), 128);
-  return said.str() + summary_table(run, outcome, statistics, false);
+  return said.str() + summary_table(run, outcome, statistics, RunDetail::whole);
 }
 
 TEST(RunJudgement, OfAFolderThatGoesAwayNothingIsSaidToBeKept) {
@@ -49,10 +50,26 @@ TEST(RunJudgement, ValuesThatAreNoneAreCountedByKind) {
                            "warning: 15 of 60 fixes have no altitude"}) {
     EXPECT_NE(said.str().find(part), std::string::npos) << said.str();
   }
-  const std::string table = summary_table(run, outcome, statistics, false);
+  const std::string table = summary_table(run, outcome, statistics, RunDetail::brief);
   EXPECT_NE(table.find("values   2 of 60 fixes are not finite and were left out\n"),
             std::string::npos)
       << table;
+}
+
+TEST(RunJudgement, TheReportIsBriefUnlessMoreIsWanted) {
+  RunDescription run;
+  run.output = "my out";
+  RunOutcome outcome;
+  outcome.result.map.emplace().loops.emplace();
+  const RunStatistics statistics{run.config};
+  const std::string brief = summary_table(run, outcome, statistics, RunDetail::brief);
+  EXPECT_LE(std::ranges::count(brief, '\n'), 8) << brief;
+  EXPECT_TRUE(brief.ends_with("next     adit view 'my out'\n")) << brief;
+  for (const char* part : {"voxels", "memory", "ms a", "device"}) {
+    EXPECT_EQ(brief.find(part), std::string::npos) << brief;
+    EXPECT_NE(summary_table(run, outcome, statistics, RunDetail::whole).find(part),
+              std::string::npos);
+  }
 }
 
 TEST(RunJudgement, TheTableHasTheLengthsInForce) {

@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include <sys/resource.h>
+
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/fleet/shard_ledger.hpp"
@@ -79,6 +81,15 @@ std::string tie_key(const FleetPlan& plan, const FleetIndex& index, const MapPai
   std::ranges::sort(hashes);
   return text_hash(std::string(version()) + " " + hashes[0] + " " + hashes[1] +
                    (plan.same_site ? " same site" : ""));
+}
+
+/// Maps are open all at the same time, each with up to three files: as many as the system allows.
+void allow_many_files() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) == 0) {
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+  }
 }
 
 }  // namespace
@@ -171,6 +182,7 @@ void solve_fleet(const FleetPlan& plan, const fs::path& into) {
     throw InputError(plan.folder, {}, "fewer than two recordings have a map",
                      "`adit plan PLAN --status` says what became of the others");
   }
+  allow_many_files();
   const Copies copies(into);
   std::vector<fs::path> maps;
   for (const std::string& name : index.maps) {

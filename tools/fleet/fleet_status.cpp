@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <map>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/fleet/shard_run.hpp"
+#include "adit/tools/fleet/shared_files.hpp"
 
 namespace adit {
 namespace {
@@ -85,8 +87,11 @@ std::string describe_fleet(const FleetPlan& plan) {
       text += fmt::format("failed   {}: {}\n         log {}\n", id, one.result.reason,
                           ledger.log(id).string());
     } else if (one.state == ShardState::running) {
-      text += fmt::format("running  {} on {}, process {}, or it was killed there\n", id,
-                          one.starts.back().host, one.starts.back().process);
+      const ShardStart& start = one.starts.back();
+      text += fmt::format("running  {} on {}, process {}{}\n", id, start.host, start.process,
+                          start.host != host_name()            ? ", or it was killed there"
+                          : kill(pid_t(start.process), 0) == 0 ? ""
+                                                               : ": it was killed");
     }
   }
   return text;

@@ -83,8 +83,15 @@ nlohmann::ordered_json running_summary(const RunDescription& run);
 nlohmann::ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
                                      const RunStatistics& statistics);
 
-/// The same for people, a few lines; `stages` adds a table of every stage.
+/// How much the report of a run says.
+enum class RunDetail {
+  brief,   ///< what came of it, in eight lines, and what was wrong
+  whole,   ///< and how: settings, times, device, memory
+  stages,  ///< and a table of every stage's time
+};
+
+/// The same for people.
 std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
-                          const RunStatistics& statistics, bool stages);
+                          const RunStatistics& statistics, RunDetail detail);
 
 }  // namespace adit

@@ -177,6 +177,41 @@ std::string limit_text(uint64_t bytes, const char* option) {
                     : fmt::format(" of {:.0f} MiB ({})", in_mebibytes(bytes), option);
 }
 
+/// What a text says before its first semicolon.
+std::string first_clause(const std::string& text) {
+  return text.substr(0, text.find("; "));
+}
+
+/// A word for a shell.
+std::string quoted(const std::string& word) {
+  const bool is_plain = word.find_first_of(" '\"$&;()<>|*?[]~`\\") == std::string::npos;
+  return is_plain ? word : "'" + word + "'";
+}
+
+/// The files in one line, and what to do next.
+std::string brief_files_text(const RunDescription& run, const RunOutcome& outcome) {
+  const RunFiles files(run.output);
+  std::string text = "wrote    " + (outcome.result.map ? files.database : files.tum).string();
+  const auto add = [&](const std::filesystem::path& file) {
+    text += ", " + file.filename().string();
+  };
+  if (outcome.result.map) {
+    add(files.tum);
+  }
+  add(files.kitti);
+  add(files.sweeps);
+  if (run.map.enabled) {
+    add(files.map);
+  }
+  if (outcome.high_rate) {
+    add(HighRateFiles(run.output).tum);
+    add(HighRateFiles(run.output).csv);
+  }
+  add(files.page);
+  add(files.summary);
+  return text + "\nnext     adit view " + quoted(run.output.string()) + "\n";
+}
+
 std::string files_text(const RunDescription& run, const RunOutcome& outcome) {
   const RunFiles files(run.output);
   std::string text = "wrote    " +
@@ -196,19 +231,18 @@ std::string files_text(const RunDescription& run, const RunOutcome& outcome) {
   return text;
 }
 
-}  // namespace
-
-std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
-                          const RunStatistics& statistics, bool stages) {
+std::string path_text(const RunDescription& run, const RunOutcome& outcome,
+                      const RunStatistics& statistics) {
   const double rate =
       outcome.wall_s > 0.0 ? static_cast<double>(statistics.sweeps()) / outcome.wall_s : 0.0;
-  std::string text = fmt::format("mapped   {} of {} sweeps, {:.1f} m, in {} ({:.1f} sweeps/s)\n",
-                                 statistics.sweeps(), run.range.count, statistics.distance(),
-                                 format_duration(outcome.wall_s), rate);
-  text += "sweeps   " + counts(statistics) + "\n";
-  if (const auto start = statistics.first_stamp()) {
-    text += "verdict  " + describe(assess_run(run, outcome, statistics), *start, kIndent) + "\n";
-  }
+  return fmt::format("path     {:.1f} m, {} of {} sweeps in {} ({:.1f} sweeps/s)\n",
+                     statistics.distance(), statistics.sweeps(), run.range.count,
+                     format_duration(outcome.wall_s), rate);
+}
+
+/// What was wrong with the recording.
+std::string faults_text(const RunOutcome& outcome, const RunStatistics& statistics) {
+  std::string text;
   if (statistics.left_out().any()) {
     text += "left out " + statistics.left_out().text() + "\n";
   }
@@ -218,41 +252,101 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   if (statistics.left_out().put_in_order() > 0) {
     text += "order    " + statistics.left_out().order_text() + "\n";
   }
-  if (statistics.inertial().any()) {
-    text += "imu      " + as_rows(inertial_text(statistics)) + "\n";
-  }
+  return text;
+}
+
+/// What other sensors than lidar and IMU came to.
+std::string further_sensors_text(const RunOutcome& outcome, const RunStatistics& statistics) {
+  std::string text;
   for (const std::string& line : statistics.velocity().text()) {
     text += "velocity " + as_rows(line) + "\n";
   }
-  text += fmt::format("voxels   one point per {:.3g} m, submap {:.3g} m, returns within {:.3g} m\n",
-                      run.config.preprocess.r_input, run.config.registration.r_align,
-                      run.config.preprocess.c_max);
-  if (outcome.result.map) {
-    text += "map      " + as_rows(map_text(*outcome.result.map, outcome.wall_s)) + "\n";
-    if (outcome.result.map->loops) {
-      text += "loops    " + loops_text(*outcome.result.map->loops) + "\n";
-    }
-    if (outcome.result.map->localization.any()) {
-      text += "in map   " + describe(outcome.result.map->localization) + "\n";
-    }
-    if (outcome.result.map->gnss.any()) {
-      text += "gnss     " + as_rows(describe(outcome.result.map->gnss)) + "\n";
-      const std::string antenna = describe_antenna(outcome.result.map->gnss);
-      text += antenna.empty() ? "" : "antenna  " + as_rows(antenna) + "\n";
-      const std::string heading = describe(outcome.result.map->gnss.heading);
-      text += heading.empty() ? "" : "heading  " + as_rows(heading) + "\n";
-    }
+  if (!outcome.result.map) {
+    return text;
   }
+  const MapReport& map = *outcome.result.map;
+  if (map.localization.any()) {
+    text += "in map   " + describe(map.localization) + "\n";
+  }
+  if (map.gnss.any()) {
+    text += "gnss     " + as_rows(describe(map.gnss)) + "\n";
+    const std::string antenna = describe_antenna(map.gnss);
+    text += antenna.empty() ? "" : "antenna  " + as_rows(antenna) + "\n";
+    const std::string heading = describe(map.gnss.heading);
+    text += heading.empty() ? "" : "heading  " + as_rows(heading) + "\n";
+  }
+  return text;
+}
+
+/// Of the map in a line or two; in a brief report without times and reasons.
+std::string map_rows(const RunOutcome& outcome, bool brief) {
+  if (!outcome.result.map) {
+    return {};
+  }
+  const MapReport& map = *outcome.result.map;
+  std::string text;
+  if (brief) {
+    text += fmt::format("map      {} keyframes, {} points{}\n", map.keyframes, map.points,
+                        map.components > 1
+                            ? fmt::format(", {} parts that nothing ties together", map.components)
+                            : std::string());
+  } else {
+    text += "map      " + as_rows(map_text(map, outcome.wall_s)) + "\n";
+  }
+  if (map.loops) {
+    text += "loops    " +
+            (brief ? fmt::format(
+                         "{} accepted of {} candidates, the map corrected by up to {:.2f} m",
+                         map.loops->accepted, map.loops->candidates, map.loops->largest_correction)
+                   : loops_text(*map.loops)) +
+            "\n";
+  }
+  return text;
+}
+
+/// Lengths in force, times, device and memory: for whoever wants to know why a run is slow, or what
+/// was chosen.
+std::string means_text(const RunDescription& run, const RunOutcome& outcome,
+                       const RunStatistics& statistics) {
+  std::string text = fmt::format(
+      "voxels   one point per {:.3g} m, submap {:.3g} m, returns within {:.3g} m\n",
+      run.config.preprocess.r_input, run.config.registration.r_align, run.config.preprocess.c_max);
   text += "time     " + as_rows(host_times(statistics, outcome.result.map.has_value())) + "\n";
   text += "device   " + describe(run.device) +
           fmt::format("; ready in {:.1f} s, {:.1f} MiB at most", outcome.start_s,
                       in_mebibytes(outcome.device_peak_bytes)) +
           limit_text(run.memory_budget_bytes, "--max-vram") + "\n";
-  text += fmt::format("memory   {:.0f} MiB resident at most",
-                      in_mebibytes(outcome.resident_peak_bytes)) +
-          limit_text(run.max_ram_bytes, "--max-ram") + "\n";
-  text += run.kept ? files_text(run, outcome) : "";
-  return stages ? text + stage_table(statistics) : text;
+  return text +
+         fmt::format("memory   {:.0f} MiB resident at most",
+                     in_mebibytes(outcome.resident_peak_bytes)) +
+         limit_text(run.max_ram_bytes, "--max-ram") + "\n";
+}
+
+}  // namespace
+
+std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
+                          const RunStatistics& statistics, RunDetail detail) {
+  const bool brief = detail == RunDetail::brief;
+  std::string text;
+  if (const auto start = statistics.first_stamp()) {
+    text += "verdict  " + describe(assess_run(run, outcome, statistics), *start, kIndent) + "\n";
+  }
+  text += path_text(run, outcome, statistics);
+  if (!brief || !statistics.failures().empty() || statistics.lost_points() > 0 ||
+      statistics.crowded_voxels() > 0) {
+    text += "sweeps   " + counts(statistics) + "\n";
+  }
+  text += faults_text(outcome, statistics);
+  if (statistics.inertial().any()) {
+    const std::string inertial = inertial_text(statistics);
+    text += "imu      " + (brief ? first_clause(inertial) : as_rows(inertial)) + "\n";
+  }
+  text += map_rows(outcome, brief) + further_sensors_text(outcome, statistics);
+  text += brief ? "" : means_text(run, outcome, statistics);
+  if (run.kept) {
+    text += brief ? brief_files_text(run, outcome) : files_text(run, outcome);
+  }
+  return detail == RunDetail::stages ? text + stage_table(statistics) : text;
 }
 
 }  // namespace adit

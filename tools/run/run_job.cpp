@@ -358,7 +358,10 @@ int complete(const RunCommandOptions& options, const PreparedRun& run, const Job
   if (options.json) {
     out << summary << std::flush;
   } else if (!options.quiet && statistics.sweeps() > 0) {
-    out << summary_table(description, outcome, statistics, options.stage_table) << std::flush;
+    const RunDetail detail = options.stage_table  ? RunDetail::stages
+                             : shows_details(err) ? RunDetail::whole
+                                                  : RunDetail::brief;
+    out << summary_table(description, outcome, statistics, detail) << std::flush;
   }
   return code;
 }

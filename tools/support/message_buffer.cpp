@@ -85,4 +85,9 @@ void say_detail(std::ostream& stream, const std::string& line) {
   }
 }
 
+bool shows_details(const std::ostream& stream) {
+  const auto* buffer = dynamic_cast<const MessageBuffer*>(stream.rdbuf());
+  return buffer != nullptr && buffer->settings().details;
+}
+
 }  // namespace adit

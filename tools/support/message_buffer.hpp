@@ -61,4 +61,7 @@ void log_line(std::ostream& stream, std::string_view line);
 /// are wanted.
 void say_detail(std::ostream& stream, const std::string& line);
 
+/// Whether details are wanted on the stream.
+bool shows_details(const std::ostream& stream);
+
 }  // namespace adit
