@@ -152,7 +152,7 @@ def by_loop(adit, fleet, plan):
     run(adit, "plan", fleet, "-o", plan)
     begin = time.monotonic()
     with tempfile.TemporaryDirectory() as small:
-        run("mount", "-t", "tmpfs", "-o", "size=8m", "tmpfs", small)
+        run("mount", "-t", "tmpfs", "-o", "size=2m", "tmpfs", small)
         try:
             full = run(adit, "shard", plan, "0", check=False, env={**os.environ, "TMPDIR": small})
             assert full.returncode == 75, f"full disk: exit {full.returncode}\n{full.stdout}{full.stderr}"

@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "adit/slam/core/median.hpp"
@@ -51,9 +52,8 @@ struct Step {
 std::vector<Step> reached_from(std::size_t base, std::span<const MapTie> ties,
                                const std::vector<bool>& counts) {
   std::vector<Step> steps = {{.map = base}};
-  const auto is_there = [&](std::size_t map) {
-    return std::ranges::count(steps, map, &Step::map) > 0;
-  };
+  std::set<std::size_t> there = {base};
+  const auto is_there = [&](std::size_t map) { return there.contains(map); };
   for (;;) {
     std::optional<std::size_t> best;
     for (std::size_t i = 0; i < ties.size(); ++i) {
@@ -67,6 +67,7 @@ std::vector<Step> reached_from(std::size_t base, std::span<const MapTie> ties,
     }
     const MapTie& tie = ties[*best];
     steps.push_back({.map = is_there(tie.one) ? tie.other : tie.one, .tie = best});
+    there.insert(steps.back().map);
   }
 }
 
@@ -111,6 +112,7 @@ class Join {
       JoinedMaps joined = joined_by_those_that_count();
       const std::optional<std::size_t> worst = worst_tie();
       if (!worst) {
+        revoke_edges(joined.merged);
         joined.contradicted = std::move(contradicted);
         std::ranges::sort(joined.contradicted);
         return joined;
@@ -249,6 +251,25 @@ class Join {
       }
     }
     return worst;
+  }
+
+  /// Edges of ties that do not fit where most of their tie do.
+  void revoke_edges(MergedMap& merged) const {
+    for (const std::vector<std::size_t>& tie : edges_of_) {
+      for (const std::size_t i : tie) {
+        if (chi2_[i] <= kLoopReview) {
+          continue;
+        }
+        merged.graph.set_status(i, EdgeStatus::revoked);
+        const PoseEdge& edge = merged.graph.edges()[i];
+        for (LoopCandidate& candidate : merged.candidates) {
+          if (candidate.from == edge.from && candidate.to == edge.to &&
+              candidate.verdict == CandidateVerdict::accepted) {
+            candidate.verdict = CandidateVerdict::revoked;
+          }
+        }
+      }
+    }
   }
 
   std::span<const MapTie> ties_;

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "adit/slam/mapping/map_merge.hpp"
@@ -21,6 +22,7 @@ struct MapTie {
   MergeSearch search{};                     ///< what the search has found; maps are 0 and 1 in it
   std::vector<PoseEdge> edges{};            ///< that count, from a keyframe of `one` to `other`
   std::vector<LoopCandidate> candidates{};  ///< between the two
+  std::string not_searched{};               ///< why, where one of the maps cannot be searched
 };
 
 /// What merge_maps() has found for two maps, which get the numbers `one` and `other`.
@@ -35,7 +37,8 @@ struct JoinedMaps {
 /// taken; those with the most tied keyframes say where each map begins. Then all ties are optimised
 /// together, under a kernel that takes all influence from wrong edges (optimize_with_loops()): the
 /// tie whose edges fit worst is left out while more than half of its edges are beyond kLoopReview,
-/// one at a time. The order of `maps` decides which ids keyframes get, that of `ties` nothing.
+/// one at a time; then the edges that are beyond it are revoked. The order of `maps` decides which
+/// ids keyframes get, that of `ties` nothing.
 JoinedMaps join_maps(std::span<const MapStore* const> maps, std::span<const MapTie> ties);
 
 }  // namespace adit

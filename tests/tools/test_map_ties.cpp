@@ -127,6 +127,19 @@ TEST_F(MapTies, ATieThatTheOthersContradictIsLeftOut) {
   EXPECT_LT(error_of(joined.merged), 1e-3);
 }
 
+TEST_F(MapTies, OneEdgeThatDoesNotFitIsRevoked) {
+  std::vector<MapTie> ties = {tie(0, 1), tie(1, 2), tie(2, 3)};
+  ties[1].edges[2].T_from_to = ties[1].edges[2].T_from_to * test::step(8.0);
+  const JoinedMaps joined = join_maps(maps(), ties);
+  EXPECT_TRUE(joined.contradicted.empty());
+  EXPECT_EQ(std::ranges::count(joined.merged.graph.edges(), EdgeStatus::revoked, &PoseEdge::status),
+            1);
+  EXPECT_EQ(std::ranges::count(joined.merged.candidates, CandidateVerdict::revoked,
+                               &LoopCandidate::verdict),
+            1);
+  EXPECT_LT(error_of(joined.merged), 0.05);
+}
+
 TEST_F(MapTies, MapsThatNothingTiesStayApart) {
   MapTie none = tie(0, 3);
   none.search.is_tied = false;

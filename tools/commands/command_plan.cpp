@@ -75,11 +75,12 @@ int run(const PlanCommandOptions& options, std::ostream& out, std::ostream& err)
     err << fmt::format("{} shards that had failed are tried again\n", forgive_failures(plan));
   }
   const fs::path program = own_program();
+  std::ostream& said = options.json ? err : out;
   if (options.slurm) {
-    write_scripts(plan, slurm_scripts(plan, program, options.jobs), out);
+    write_scripts(plan, slurm_scripts(plan, program, options.jobs), said);
   }
   if (options.parallel) {
-    write_scripts(plan, parallel_scripts(plan, program, options.jobs), out);
+    write_scripts(plan, parallel_scripts(plan, program, options.jobs), said);
   }
   if (options.json) {
     out << fleet_json(plan);

@@ -10,6 +10,7 @@
 #include <span>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -64,6 +65,20 @@ const Shard& chosen(const FleetPlan& plan, const ShardCommandOptions& options) {
   return *found;
 }
 
+std::vector<std::string> device_words(const DeviceOptions& device) {
+  std::vector<std::string> words;
+  if (!device.device.empty()) {
+    words.insert(words.end(), {"--device", device.device});
+  }
+  if (device.max_vram_bytes > 0) {
+    words.insert(words.end(), {"--max-vram", std::to_string(device.max_vram_bytes)});
+  }
+  if (device.validation) {
+    words.emplace_back("--validation");
+  }
+  return words;
+}
+
 /// The work itself, in this process.
 void work(const FleetPlan& plan, const Shard& shard, const ShardCommandOptions& options) {
   const StopSignal stop;
@@ -87,24 +102,29 @@ void work(const FleetPlan& plan, const Shard& shard, const ShardCommandOptions& 
 
 int run(const ShardCommandOptions& options, std::ostream& out, std::ostream& err) {
   const FleetPlan plan = read_plan(options.plan);
-  const std::filesystem::path program = options.program.empty() ? own_program() : options.program;
+  const ShardProgram program = {
+      .program = options.program.empty() ? own_program() : options.program,
+      .device_words = device_words(options.device)};
   if (!options.all) {
     const Shard& shard = chosen(plan, options);
     if (!options.into.empty()) {
       work(plan, shard, options);
       return 0;
     }
-    return run_shard(plan, shard, program, out, err);
+    const int code = run_shard(plan, shard, program, out, err);
+    return options.tolerant && code == kShardFailed ? kShardDone : code;
   }
-  int worst = kShardDone;
+  bool has_failed = false;
+  bool has_waited = false;
   for (const Shard& shard : plan.shards) {
     const int code = run_shard(plan, shard, program, out, err);
     if (code > kShardAgain) {
       return code;  // stopped
     }
-    worst = std::max(worst, code);
+    has_failed = has_failed || code == kShardFailed;
+    has_waited = has_waited || code == kShardAgain;
   }
-  return worst;
+  return has_failed && !options.tolerant ? kShardFailed : has_waited ? kShardAgain : kShardDone;
 }
 
 }  // namespace
@@ -134,6 +154,8 @@ void add_shard_command(Command app, std::function<void(int)> done) {
       .one_of({"map", "index", "pairs", "solve", "product", "report"})
       .value_name("STAGE");
   command.flag("--all", options->all, "All shards, one after another");
+  command.flag("--tolerant", options->tolerant,
+               "Exit 0 also where a shard has failed: its record says so, and the others go on");
   command
       .option("--into", options->into,
               "Do the work in this process, without a record, and leave its result in this folder")

@@ -20,6 +20,7 @@ struct ShardCommandOptions {
   std::string which{};  ///< a number, or an id; empty: what the environment says
   std::string stage{};  ///< numbers count within it
   bool all = false;
+  bool tolerant = false;            ///< a shard that has failed is no failure of the command
   std::filesystem::path into{};     ///< does the work here, and leaves its result there
   std::filesystem::path program{};  ///< adit; empty: this one
   DeviceOptions device{};

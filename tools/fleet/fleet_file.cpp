@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
-#include <map>
 #include <set>
 #include <span>
 #include <string_view>
@@ -13,6 +12,7 @@
 
 #include <glob.h>
 
+#include "adit/tools/fleet/fleet_plan.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"
 #include "adit/tools/support/toml.hpp"
@@ -150,38 +150,33 @@ std::vector<fs::path> matches_of(const std::string& pattern, const fs::path& fol
 /// Of a path's last part; "drive/" is drive.
 std::string stem_of(const fs::path& path) {
   const fs::path named = path.has_filename() ? path : path.parent_path();
-  return named.stem().string();
+  std::error_code error;
+  return (fs::is_directory(named, error) ? named.filename() : named.stem()).string();
 }
 
-/// All recordings with names; where two have the same file name, later ones are numbered.
-class Recordings {
- public:
-  void add(std::vector<fs::path> parts, std::vector<std::string> options,
-           const std::optional<std::string>& name, const Table& table) {
-    for (const fs::path& part : parts) {
-      if (!paths_.insert(part).second) {
-        table.refuse(part.string() + " is named twice");
-      }
-    }
-    const std::string base = name.value_or(stem_of(parts.front()));
-    if (base.empty() || base.starts_with('.') || base.find('/') != std::string::npos) {
-      table.refuse("'" + base + "' cannot be the name of a folder");
-    }
-    const int number = ++numbers_[base];
-    all_.push_back({.name = number == 1 ? base : base + "-" + std::to_string(number),
-                    .parts = std::move(parts),
-                    .options = std::move(options)});
+/// What patterns match besides recordings: an earlier plan, and the fleet's file.
+bool is_no_recording(const fs::path& path, const fs::path& file) {
+  std::error_code error;
+  return has_plan(path) || fs::equivalent(path, file, error);
+}
+
+FleetRecording recording_of(std::vector<fs::path> parts, std::vector<std::string> options,
+                            const std::optional<std::string>& name, const Table& table) {
+  const std::string wanted = name.value_or(stem_of(parts.front()));
+  if (wanted.empty() || wanted.starts_with('.') || wanted.find('/') != std::string::npos) {
+    table.refuse("'" + wanted + "' cannot be the name of a folder");
   }
-  std::vector<FleetRecording> take() { return std::move(all_); }
+  return {.name = wanted,
+          .is_named = name.has_value(),
+          .parts = std::move(parts),
+          .options = std::move(options)};
+}
 
- private:
-  std::vector<FleetRecording> all_;
-  std::set<fs::path> paths_;
-  std::map<std::string, int> numbers_;
-};
-
-std::vector<FleetRecording> recordings_in(const Table& table, const fs::path& folder) {
-  Recordings recordings;
+/// Those with tables of their own come first; patterns leave them out.
+std::vector<FleetRecording> recordings_in(const Table& table, const fs::path& file) {
+  const fs::path folder = file.parent_path();
+  std::vector<FleetRecording> recordings;
+  std::set<fs::path> taken;
   const std::vector<std::string> options = words_of(table, "run");
   for (const Table& one : table.tables("recording")) {
     constexpr std::array<std::string_view, 3> kKeys = {"path", "name", "run"};
@@ -193,16 +188,23 @@ std::vector<FleetRecording> recordings_in(const Table& table, const fs::path& fo
     if (parts.empty()) {
       one.refuse("a recording has no path");
     }
+    for (const fs::path& part : parts) {
+      if (!taken.insert(part).second) {
+        one.refuse(part.string() + " is named twice");
+      }
+    }
     std::vector<std::string> words = options;
     std::ranges::move(words_of(one, "run"), std::back_inserter(words));
-    recordings.add(std::move(parts), std::move(words), one.text("name"), one);
+    recordings.push_back(recording_of(std::move(parts), std::move(words), one.text("name"), one));
   }
   for (const std::string& pattern : table.texts("recordings")) {
     for (fs::path& path : matches_of(pattern, folder, table)) {
-      recordings.add({std::move(path)}, options, std::nullopt, table);
+      if (!is_no_recording(path, file) && taken.insert(path).second) {
+        recordings.push_back(recording_of({std::move(path)}, options, std::nullopt, table));
+      }
     }
   }
-  return recordings.take();
+  return recordings;
 }
 
 std::optional<fs::path> path_in(const Table& table, std::string_view key, const fs::path& folder) {
@@ -225,7 +227,7 @@ Fleet read_fleet(const fs::path& file) {
                                                      "deliver"};
   table.require_only(kKeys, "in a fleet");
   Fleet fleet{.folder = fs::absolute(file).lexically_normal().parent_path()};
-  fleet.recordings = recordings_in(table, fleet.folder);
+  fleet.recordings = recordings_in(table, fs::absolute(file).lexically_normal());
   if (fleet.recordings.size() < 2) {
     table.refuse("it names fewer than two recordings; `adit run` maps one");
   }

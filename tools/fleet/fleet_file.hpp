@@ -16,6 +16,7 @@ namespace adit {
 /// A recording of a fleet.
 struct FleetRecording {
   std::string name{};                          ///< unique, the name of its map's folder
+  bool is_named = false;                       ///< by the file
   std::vector<std::filesystem::path> parts{};  ///< absolute; several follow each other in time
   std::vector<std::string> options{};          ///< of `adit run`
 };

@@ -48,6 +48,9 @@ std::vector<std::string> names_of(const Fleet& fleet, const std::optional<FleetP
   }
   std::set<std::string> taken;
   for (const FleetRecording& recording : fleet.recordings) {
+    if (recording.is_named) {
+      known[recording.parts.front()] = recording.name;
+    }
     if (const auto name = known.find(recording.parts.front()); name != known.end()) {
       taken.insert(name->second);
     }
@@ -72,8 +75,11 @@ std::vector<fs::path> files_in(const std::vector<std::string>& options, const fs
   std::vector<fs::path> files;
   for (const std::string& option : options) {
     std::error_code error;
-    if (!option.starts_with('-') && fs::exists(folder / option, error)) {
-      files.push_back((folder / option).lexically_normal());
+    // "--config=robot.toml", too.
+    const std::size_t value = option.starts_with('-') ? option.find('=') : std::string::npos;
+    const std::string word = value == std::string::npos ? option : option.substr(value + 1);
+    if (!word.empty() && !word.starts_with('-') && fs::exists(folder / word, error)) {
+      files.push_back((folder / word).lexically_normal());
     }
   }
   return files;
@@ -99,12 +105,18 @@ fs::path preset_of(const fs::path& folder, const DeliveryProduct& product) {
   return folder / "products" / (product.file + ".toml");
 }
 
+/// Absolute, without a slash at its end.
+fs::path folder_of(const fs::path& folder) {
+  const fs::path whole = fs::absolute(folder).lexically_normal();
+  return whole.has_filename() ? whole : whole.parent_path();
+}
+
 Shard product_shard(const DeliveryProduct& product, const FleetPlan& plan) {
   Shard shard{.id = "product-" + product.file,
               .stage = FleetStage::product,
               .result = fs::path("delivery") / product.file};
   shard.words = {"deliver", "{map}",    "-o",
-                 "{out}",   "--preset", preset_of(plan.folder, product).string()};
+                 "{out}",   "--preset", preset_of("{plan}", product).string()};
   const auto add = [&](const char* option, const std::optional<std::string>& value) {
     if (value) {
       shard.words.insert(shard.words.end(), {option, *value});
@@ -120,7 +132,9 @@ Shard product_shard(const DeliveryProduct& product, const FleetPlan& plan) {
   return shard;
 }
 
-/// TOML that parse_delivery() reads. JSON's texts are TOML's, too.
+}  // namespace
+
+// JSON's texts are TOML's, too.
 std::string preset_text(const DeliveryProduct& product) {
   std::string options;
   for (const std::string& word : product.options) {
@@ -135,6 +149,8 @@ std::string preset_text(const DeliveryProduct& product) {
                                                       : nullptr;
   return needs == nullptr ? text : text + "needs = \"" + needs + "\"\n";
 }
+
+namespace {
 
 void require_other_recordings(const Fleet& fleet) {
   std::map<std::string, fs::path> seen;
@@ -226,7 +242,7 @@ FleetPlan plan_fleet(const Fleet& fleet, const fs::path& folder) {
   require_other_recordings(fleet);
   const std::optional<FleetPlan> earlier =
       has_plan(folder) ? std::optional(read_plan(folder)) : std::nullopt;
-  FleetPlan plan{.folder = fs::absolute(folder).lexically_normal(),
+  FleetPlan plan{.folder = folder_of(folder),
                  .fleet_folder = fleet.folder,
                  .same_site = fleet.same_site,
                  .products = fleet.products,
@@ -236,7 +252,7 @@ FleetPlan plan_fleet(const Fleet& fleet, const fs::path& folder) {
     plan.shards.push_back(map_shard(fleet.recordings[i], names[i], fleet.folder));
   }
   const auto inside = [&](const std::string& id) {
-    return std::vector<std::string>{"shard", plan.folder.string(), id, "--into", "{out}"};
+    return std::vector<std::string>{"shard", "{plan}", id, "--into", "{out}"};
   };
   plan.shards.push_back({.id = "index",
                          .stage = FleetStage::index,
@@ -301,7 +317,7 @@ FleetPlan read_plan(const fs::path& folder) {
   }
   try {
     const Json json = Json::parse(read_text_file(file));
-    FleetPlan plan{.folder = fs::absolute(folder).lexically_normal(),
+    FleetPlan plan{.folder = folder_of(folder),
                    .fleet_folder = json.at("fleet_folder").get<std::string>(),
                    .same_site = json.at("same_site").get<bool>(),
                    .place = {.origin = given(json.at("origin").get<std::string>()),
@@ -312,8 +328,10 @@ FleetPlan read_plan(const fs::path& folder) {
       plan.products.push_back(parse_delivery(read_text_file(preset), preset).front());
     }
     plan.shards = read_shards(folder / kShardsFile);
-    if (!std::ranges::is_sorted(plan.shards, {}, &Shard::stage)) {
-      throw InputError(folder / kShardsFile, {}, "its stages are not in order", kPlanRemedy);
+    if (!std::ranges::is_sorted(plan.shards, {}, &Shard::stage) ||
+        plan.of(FleetStage::product).size() != plan.products.size()) {
+      throw InputError(folder / kShardsFile, {},
+                       "its stages are not in order, or it is being written", kPlanRemedy);
     }
     return plan;
   } catch (const Json::exception& error) {

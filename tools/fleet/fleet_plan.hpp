@@ -41,7 +41,8 @@ struct Shard {
   std::string id{};  ///< unique, a file's name: "map-drive_7"
   FleetStage stage = FleetStage::map;
   std::size_t number = 0;  ///< within its stage, from 0
-  /// Of `adit`. "{out}" is a folder for what it makes, "{map}" a copy of the map of all.
+  /// Of `adit`. "{out}" is a folder for what it makes, "{map}" a copy of the map of all, "{plan}"
+  /// the plan's folder.
   std::vector<std::string> words{};
   std::vector<std::filesystem::path>
       inputs{};                    ///< files and folders that it reads, but for results
@@ -75,6 +76,9 @@ void write_plan(const FleetPlan& plan);
 
 /// Throws InputError where the folder holds no plan, or a damaged one.
 FleetPlan read_plan(const std::filesystem::path& folder);
+
+/// TOML that parse_delivery() reads.
+std::string preset_text(const DeliveryProduct& product);
 
 /// The folder holds a plan.
 bool has_plan(const std::filesystem::path& folder);

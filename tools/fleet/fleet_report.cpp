@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <map>
+#include <span>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -12,6 +14,7 @@
 #include "adit/slam/core/text.hpp"
 #include "adit/tools/fleet/fleet_stages.hpp"
 #include "adit/tools/fleet/shard_ledger.hpp"
+#include "adit/tools/fleet/shard_standing.hpp"
 #include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/support/input_file.hpp"
 #include "adit/tools/support/output_file.hpp"
@@ -66,13 +69,15 @@ std::string in_map(const Json& merge, const std::string& name) {
              : "no: " + Json::parse(reason->second, nullptr, false).get<std::string>();
 }
 
-std::string recordings_table(const FleetPlan& plan, const ShardLedger& ledger, const Json& merge) {
+std::string recordings_table(const FleetPlan& plan, std::span<const ShardStanding> standings,
+                             const Json& merge) {
+  const ShardLedger ledger(plan.folder);
   std::string text =
       "| recording | keyframes | path, m | verdict of its run | in the map of all |\n"
       "|---|---|---|---|---|\n";
   for (const Shard& shard : plan.of(FleetStage::map)) {
     const std::string name = map_name(shard);
-    if (!ledger.done(shard.id)) {
+    if (standings[shard.number].state != ShardState::done) {
       const std::optional<ShardResult> failed = ledger.failed(shard.id);
       text += fmt::format("| {} | - | - | failed | no: {} |\n", name,
                           failed ? failed->reason : "it has no result");
@@ -86,50 +91,77 @@ std::string recordings_table(const FleetPlan& plan, const ShardLedger& ledger, c
   return text;
 }
 
-std::string products_table(const FleetPlan& plan, const ShardLedger& ledger) {
-  std::string text;
-  for (const Shard& shard : plan.of(FleetStage::product)) {
-    const std::optional<ShardResult> done = ledger.done(shard.id);
-    const std::optional<ShardResult> failed = ledger.failed(shard.id);
-    text += fmt::format("- `{}`{}\n", shard.result.string(),
-                        !done                   ? ": failed: " + (failed ? failed->reason : "")
-                        : !done->reason.empty() ? ": " + done->reason
-                                                : "");
-  }
-  return text;
-}
-
-std::vector<DeliveryProduct> products_there(const FleetPlan& plan) {
-  std::vector<DeliveryProduct> there;
-  for (const DeliveryProduct& product : plan.products) {
-    if (!files_of_product(product, plan.folder / "delivery").empty()) {
-      there.push_back(product);
+/// Whether each product of the plan is there.
+std::vector<bool> products_done(const FleetPlan& plan, std::span<const ShardStanding> standings) {
+  std::vector<bool> done;
+  for (std::size_t i = 0; i < standings.size(); ++i) {
+    if (plan.shards[i].stage == FleetStage::product) {
+      done.push_back(standings[i].state == ShardState::done);
     }
   }
-  return there;
+  return done;
+}
+
+std::string products_table(const FleetPlan& plan, const std::vector<bool>& done) {
+  const ShardLedger ledger(plan.folder);
+  std::string text;
+  for (const Shard& shard : plan.of(FleetStage::product)) {
+    const std::optional<ShardResult> result =
+        done[shard.number] ? ledger.done(shard.id) : ledger.failed(shard.id);
+    const std::string reason = result ? result->reason : "";
+    text += fmt::format("- `{}`{}{}\n", shard.result.string(),
+                        done[shard.number] ? (reason.empty() ? "" : ": ") : ": failed: ", reason);
+  }
+  return text;
 }
 
 }  // namespace
 
 void report_fleet(const FleetPlan& plan, const fs::path& into) {
-  const ShardLedger ledger(plan.folder);
+  const std::vector<ShardStanding> standings = standings_of(plan, FleetStage::product);
+  const std::vector<bool> done = products_done(plan, standings);
   const fs::path merged = plan.folder / "site";
   const Json merge = read_json(merged / "merge.json");
-  std::string text = "# Fleet\n\n" + recordings_table(plan, ledger, merge);
+  std::string text = "# Fleet\n\n" + recordings_table(plan, standings, merge);
   text += "\n## The map of all\n\n```text\n" + read_text_file(merged / "merge.txt") + "```\n";
-  text += "\n## Products\n\n" + products_table(plan, ledger);
+  text += "\n## Products\n\n" + products_table(plan, done);
   write_text_file(into / "report.md", text);
+  std::vector<DeliveryProduct> there;
+  for (const Shard& shard : plan.of(FleetStage::product)) {
+    if (done[shard.number] && !product_files(plan, shard, plan.folder / "delivery").empty()) {
+      there.push_back(plan.products[shard.number]);
+    }
+  }
   const fs::path copy = into / "map.adit";
   fs::copy_file(merged / "map.adit", copy, fs::copy_options::overwrite_existing);
   {
     const MapDatabase map(copy, MapAccess::read);
     DeliveryPlace place = plan.place;
     place.on_earth = place.origin || map.georeference();
-    write_text_file(into / "README.md",
-                    delivery_page(map, delivery_system(map, place), products_there(plan),
-                                  plan.folder / "delivery"));
+    write_text_file(into / "README.md", delivery_page(map, delivery_system(map, place), there,
+                                                      plan.folder / "delivery"));
   }
   fs::remove(copy);
+}
+
+void remove_stale_products(const FleetPlan& plan) {
+  constexpr std::string_view kPrefix = "product-";
+  const ShardLedger ledger(plan.folder);
+  const std::vector<ShardStanding> standings = standings_of(plan, FleetStage::product);
+  const std::vector<bool> done = products_done(plan, standings);
+  const std::span<const Shard> products = plan.of(FleetStage::product);
+  for (const std::string& id : ledger.all_done()) {
+    const auto shard = std::ranges::find(products, id, &Shard::id);
+    if (!id.starts_with(kPrefix) || (shard != products.end() && done[shard->number])) {
+      continue;
+    }
+    const fs::path name = id.substr(kPrefix.size());
+    for (const fs::path& file : product_files(plan, {.result = name}, plan.folder / "delivery")) {
+      std::error_code ignored;
+      fs::remove(file, ignored);
+    }
+    ledger.forget(id);
+  }
 }
 
 }  // namespace adit

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/fleet/shard_ledger.hpp"
+#include "adit/tools/fleet/shard_standing.hpp"
 #include "adit/tools/fleet/shared_files.hpp"
 #include "adit/tools/map_merge/merge_job.hpp"
 #include "adit/tools/map_merge/merge_report.hpp"
@@ -71,6 +72,18 @@ class Copies {
   Copies(const Copies&) = delete;
   Copies& operator=(const Copies&) = delete;
   const fs::path& folder() const { return folder_; }
+  /// The copies of these maps, and no others.
+  void keep_only(const std::array<std::string, 2>& names) const {
+    std::vector<fs::path> others;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+      if (std::ranges::count(names, name_of_copy(entry.path())) == 0) {
+        others.push_back(entry.path());
+      }
+    }
+    for (const fs::path& other : others) {
+      fs::remove(other);
+    }
+  }
 
  private:
   fs::path folder_;
@@ -131,6 +144,7 @@ FleetIndex read_index(const FleetPlan& plan) {
 
 void index_maps(const FleetPlan& plan, const fs::path& into) {
   const ShardLedger ledger(plan.folder);
+  const std::vector<ShardStanding> standings = standings_of(plan, FleetStage::map);
   Json json;
   json["maps"] = Json::array();
   json["failed"] = Json::array();
@@ -138,7 +152,7 @@ void index_maps(const FleetPlan& plan, const fs::path& into) {
   for (const Shard& shard : plan.of(FleetStage::map)) {
     const std::string name = map_name(shard);
     const std::optional<ShardResult> result = ledger.done(shard.id);
-    if (!result) {
+    if (!result || standings[shard.number].state != ShardState::done) {
       json["failed"].push_back(name);
       continue;
     }
@@ -152,26 +166,66 @@ void index_maps(const FleetPlan& plan, const fs::path& into) {
   write_text_file(into / "pairs.json", json.dump() + "\n");
 }
 
+namespace {
+
+/// Of two maps, or why they could not be searched: that is no reason to have no map of the others.
+MapTie searched(const FleetPlan& plan, const std::array<fs::path, 2>& maps,
+                const DeviceOptions& device) {
+  try {
+    const TiedMaps tied =
+        tie_maps(open_merge_inputs({maps[0], maps[1]}), device, {.same_site = plan.same_site},
+                 [](const MergeStep&) { return StopSignal::received() == 0; });
+    return tie_between(tied.merged, 0, 1);
+  } catch (const InputError& error) {
+    return {.other = 1, .not_searched = error.what()};
+  }
+}
+
+/// The lines of what a shard of pairs has written: two names, and the tie's file and hash.
+std::vector<std::string> lines_of(const fs::path& file) {
+  const std::string text = read_text_file(file);
+  LineReader lines(text);
+  std::vector<std::string> all;
+  while (const auto line = lines.next()) {
+    all.emplace_back(*line);
+  }
+  return all;
+}
+
+}  // namespace
+
+bool has_ties(const FleetPlan& plan, const Shard& shard) {
+  std::error_code error;
+  const fs::path file = plan.folder / shard.result;
+  return fs::exists(file, error) &&
+         std::ranges::all_of(lines_of(file), [&](const std::string& one) {
+           const std::string name = one.substr(one.find('\t') + 1);
+           return fs::exists(plan.folder / "ties" / name.substr(0, name.find('\t')), error);
+         });
+}
+
 void search_pairs(const FleetPlan& plan, const Shard& shard, const DeviceOptions& device,
                   const fs::path& into) {
   const FleetIndex index = read_index(plan);
   const std::size_t shards = plan.of(FleetStage::pairs).size();
   const Copies copies(into);
   std::string list;
-  for (std::size_t i = shard.number; i < index.pairs.size(); i += shards) {
+  // In a row: pairs with a map in common follow each other.
+  const std::size_t begin = index.pairs.size() * shard.number / shards;
+  const std::size_t end = index.pairs.size() * (shard.number + 1) / shards;
+  for (std::size_t i = begin; i < end; ++i) {
     const MapPair& pair = index.pairs[i];
     const fs::path file = tie_of(plan, index, pair);
     std::error_code error;
     if (!fs::exists(file, error)) {
-      const TiedMaps tied =
-          tie_maps(open_merge_inputs({local_copy(plan, index.maps[pair.first], copies.folder()),
-                                      local_copy(plan, index.maps[pair.second], copies.folder())}),
-                   device, {.same_site = plan.same_site},
-                   [](const MergeStep&) { return StopSignal::received() == 0; });
-      put_text(file, to_json(tie_between(tied.merged, 0, 1)));
+      copies.keep_only({index.maps[pair.first], index.maps[pair.second]});
+      put_text(file, to_json(searched(plan,
+                                      {local_copy(plan, index.maps[pair.first], copies.folder()),
+                                       local_copy(plan, index.maps[pair.second], copies.folder())},
+                                      device)));
     }
-    list += index.maps[pair.first] + " " + index.maps[pair.second] + " " + fingerprint(file).hash +
-            "\n";
+    list += index.maps[pair.first] + " " + index.maps[pair.second] + "\t" +
+            file.filename().string() + "\t" + whole_hash(file) + "\n";
   }
   write_text_file(into / "pairs.txt", list);
 }
@@ -215,6 +269,12 @@ void solve_fleet(const FleetPlan& plan, const fs::path& into) {
   for (const std::size_t tie : tied.contradicted) {
     text += "left out  the tie of " + index.maps[pair_of[tie].first] + " and " +
             index.maps[pair_of[tie].second] + ": the others contradict it\n";
+  }
+  for (std::size_t i = 0; i < ties.size(); ++i) {
+    if (!ties[i].not_searched.empty()) {
+      text += "left out  the pair of " + index.maps[pair_of[i].first] + " and " +
+              index.maps[pair_of[i].second] + ": " + ties[i].not_searched + "\n";
+    }
   }
   if (outcome.sessions.empty()) {
     throw InputError(plan.folder, {}, "no map could be tied to another:\n" + text,

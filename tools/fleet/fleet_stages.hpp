@@ -40,11 +40,17 @@ void index_maps(const FleetPlan& plan, const std::filesystem::path& into);
 void search_pairs(const FleetPlan& plan, const Shard& shard, const DeviceOptions& device,
                   const std::filesystem::path& into);
 
+/// All ties that a shard of pairs has found are there still.
+bool has_ties(const FleetPlan& plan, const Shard& shard);
+
 /// Writes INTO/map.adit, and INTO/merge.json and merge.txt, which say what was tied and what was
 /// not. Throws InputError where no map is tied to another.
 void solve_fleet(const FleetPlan& plan, const std::filesystem::path& into);
 
 /// Writes INTO/report.md, and INTO/README.md of the delivery.
 void report_fleet(const FleetPlan& plan, const std::filesystem::path& into);
+
+/// Removes from the delivery what is of no product of the plan any more, or of one that has failed.
+void remove_stale_products(const FleetPlan& plan);
 
 }  // namespace adit

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -68,6 +67,27 @@ std::size_t near_ones(const Cells& one, const Cells& other) {
   return near;
 }
 
+/// No keyframe is farther from one with a fix, along the way, than kReach.
+bool cover(const std::map<NodeId, Geodetic>& fixes, const std::vector<MapKeyframe>& keyframes) {
+  double since = 0.0;  // m, from the last fix, or from the beginning
+  bool any = false;
+  for (std::size_t i = 0; i < keyframes.size(); ++i) {
+    if (i > 0) {
+      since += (keyframes[i].T_map_keyframe.translation() -
+                keyframes[i - 1].T_map_keyframe.translation())
+                   .norm();
+    }
+    if (since > (any ? 2.0 : 1.0) * kReach) {
+      return false;
+    }
+    if (fixes.contains(keyframes[i].id)) {
+      any = true;
+      since = 0.0;
+    }
+  }
+  return any && since <= kReach;
+}
+
 }  // namespace
 
 MapPlaces places_of(const MapDatabase& map) {
@@ -82,10 +102,15 @@ MapPlaces places_of(const MapDatabase& map) {
     }
     return places;
   }
-  std::set<NodeId> placed;
+  std::map<NodeId, Geodetic> fixes;
   for (const MapFix& fix : map.fixes()) {
-    if (is_near(fix.covariance.topLeftCorner<2, 2>()) && placed.insert(fix.keyframe).second) {
-      places.places.push_back(fix.place);
+    if (is_near(fix.covariance.topLeftCorner<2, 2>())) {
+      fixes.emplace(fix.keyframe, fix.place);
+    }
+  }
+  if (cover(fixes, keyframes)) {
+    for (const auto& [keyframe, place] : fixes) {
+      places.places.push_back(place);
     }
   }
   return places;
@@ -124,7 +149,8 @@ std::vector<MapPair> pairs_to_search(std::span<const MapPlaces> maps) {
   for (std::size_t one = 0; one < maps.size(); ++one) {
     for (std::size_t other = one + 1; other < maps.size(); ++other) {
       if (cells[one].empty() || cells[other].empty() ||
-          near_ones(cells[one], cells[other]) >= least) {
+          std::max(near_ones(cells[one], cells[other]), near_ones(cells[other], cells[one])) >=
+              least) {
         pairs.emplace_back(one, other);
       }
     }

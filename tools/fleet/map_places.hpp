@@ -19,8 +19,8 @@ namespace adit {
 /// Where a map's keyframes lie on the Earth.
 struct MapPlaces {
   std::size_t keyframes = 0;
-  /// Of its keyframes; of a map without a place in the world of those that have a fix. Empty: it is
-  /// not known, or too roughly.
+  /// Of its keyframes; of a map without a place in the world of those that have a fix, if these are
+  /// all along its way. Empty: it is not known, or too roughly.
   std::vector<Geodetic> places{};
 };
 

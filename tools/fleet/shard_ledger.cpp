@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/fleet/shard_ledger.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -34,7 +35,8 @@ int64_t now() {
       .count();
 }
 
-/// One write() at the end of a file: lines of several processes do not mix.
+/// One write() at the end of a file. Where a network's file system mixes lines of two machines, a
+/// start is lost: nothing but its count.
 void append_line(const fs::path& file, const std::string& line) {
   const int descriptor =
       open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);  // NOLINT: POSIX
@@ -103,11 +105,30 @@ void ShardLedger::write(const char* folder, const std::string& shard,
   json["seconds"] = result.seconds;
   json["processor_seconds"] = result.processor_seconds;
   json["peak_memory"] = result.peak_memory;
-  put_text(folder_ / folder / (shard + ".json"), json.dump(2) + "\n");
+  put_text(folder_ / folder / (shard + ".json"),
+           json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 std::optional<ShardResult> ShardLedger::done(const std::string& shard) const {
   return read(kDone, shard);
+}
+
+std::vector<std::string> ShardLedger::all_done() const {
+  std::vector<std::string> shards;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_ / kDone, error)) {
+    const fs::path name = entry.path().filename();
+    if (name.extension() == ".json" && !name.string().starts_with('.')) {
+      shards.push_back(name.stem().string());
+    }
+  }
+  std::ranges::sort(shards);
+  return shards;
+}
+
+void ShardLedger::forget(const std::string& shard) const {
+  std::error_code ignored;
+  fs::remove(folder_ / kDone / (shard + ".json"), ignored);
 }
 
 std::optional<ShardResult> ShardLedger::failed(const std::string& shard) const {

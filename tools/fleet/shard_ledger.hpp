@@ -43,6 +43,8 @@ class ShardLedger {
 
   /// How it ended well; nothing: it has not.
   std::optional<ShardResult> done(const std::string& shard) const;
+  /// All that have ended well, by name.
+  std::vector<std::string> all_done() const;
   /// How it failed last.
   std::optional<ShardResult> failed(const std::string& shard) const;
   /// All of its starts, the oldest first.
@@ -58,6 +60,8 @@ class ShardLedger {
   void note_end(const std::string& shard, const std::string& key) const;
   /// It may be tried again as if it had never failed.
   void forgive(const std::string& shard) const;
+  /// As if it had never ended well.
+  void forget(const std::string& shard) const;
   /// Makes the folders of the records. Throws OutputError.
   void prepare() const;
 

@@ -3,7 +3,9 @@
 #include "adit/tools/fleet/shard_run.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cerrno>
+#include <csignal>
+#include <exception>
 #include <system_error>
 #include <utility>
 
@@ -19,102 +21,135 @@
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/stop_signal.hpp"
 #include "adit/tools/support/temporary_folder.hpp"
-#include "adit/tools/support/version.hpp"
 
 namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kKilled = 128;             // and above: by a signal
-constexpr uintmax_t kNoRoom = 64 << 20;  // bytes: a disk with less room is full
-
-/// A recording without a map and a product that could not be written are results: others go on.
-bool is_settled(FleetStage stage, ShardState state) {
-  return state == ShardState::done || (state == ShardState::failed &&
-                                       (stage == FleetStage::map || stage == FleetStage::product));
-}
+constexpr int kKilled = 128;      // and above: by a signal
+constexpr int kNotStarted = 127;  // run_child(): no such program, or no such folder
 
 std::string replaced(std::string text, std::string_view what, const std::string& by) {
   const std::size_t at = text.find(what);
   return at == std::string::npos ? text : text.replace(at, what.size(), by);
 }
 
-/// The last line of a log that says something.
-std::string last_line(const fs::path& log) {
-  const std::string text = read_text_file(log);
-  LineReader lines(text);
-  std::string last;
-  while (const auto line = lines.next()) {
-    if (line->find_first_not_of(" \t") != std::string::npos) {
-      last = *line;
-    }
+/// What a shard's command has printed.
+class ShardLog {
+ public:
+  explicit ShardLog(fs::path file) : file_(std::move(file)) {
+    std::error_code error;
+    const uintmax_t size = fs::file_size(file_, error);
+    begin_ = error ? 0 : static_cast<std::size_t>(size);
   }
-  return last;
-}
 
-bool is_full(const fs::path& folder) {
-  std::error_code error;
-  const fs::space_info space = fs::space(folder, error);
-  return !error && space.available < kNoRoom;
-}
+  const fs::path& file() const { return file_; }
+
+  std::string text() const {
+    const std::string whole = read_whole_file(file_);
+    return whole.substr(std::min(begin_, whole.size()));
+  }
+  /// The last line with this in it.
+  std::string last_line(std::string_view part = "") const {
+    const std::string said = text();
+    LineReader lines(said);
+    std::string last;
+    while (const auto line = lines.next()) {
+      const bool says = line->find_first_not_of(" \t") != std::string::npos;
+      last = says && line->find(part) != std::string::npos ? std::string(*line) : last;
+    }
+    return last;
+  }
+  /// In the system's words.
+  bool tells_of_a_full_disk() const {
+    const std::string said = text();
+    return std::ranges::any_of(
+        std::array{std::generic_category().message(ENOSPC), std::generic_category().message(EDQUOT),
+                   std::string("disk is full")},
+        [&](const std::string& words) { return said.find(words) != std::string::npos; });
+  }
+
+ private:
+  fs::path file_;
+  std::size_t begin_ = 0;  ///< of this run's part
+};
 
 /// A shard while it runs: in a folder on a disk of this machine.
 class ShardRun {
  public:
-  ShardRun(const FleetPlan& plan, const Shard& shard, std::string key, fs::path program)
+  ShardRun(const FleetPlan& plan, const Shard& shard, std::string key, const ShardProgram& program,
+           std::ostream& out, std::ostream& err)
       : plan_(&plan),
         shard_(&shard),
         ledger_(plan.folder),
         key_(std::move(key)),
-        program_(std::move(program)),
+        program_(&program),
+        out_(&out),
+        err_(&err),
+        log_(ledger_.log(shard.id)),
         scratch_("adit-shard-"),
-        out_(scratch_.path() / "out") {}
+        made_(scratch_.path() / "out") {}
 
-  int run(std::ostream& out, std::ostream& err) {
+  int run() {
     const StopSignal stop;
     ledger_.note_start(shard_->id, key_);
-    outcome_ = run_child({.program = program_,
+    const bool is_run = shard_->stage == FleetStage::map;
+    outcome_ = run_child({.program = program_->program,
                           .words = words(),
-                          .folder = plan_->fleet_folder,
-                          .log = ledger_.log(shard_->id)});
+                          .folder = is_run ? plan_->fleet_folder : plan_->folder,
+                          .log = log_.file()});
     if (StopSignal::received() != 0) {
       ledger_.note_end(shard_->id, key_);
-      err << "adit shard: " << shard_->id << " was stopped\n";
+      *err_ << "adit shard: " << shard_->id << " was stopped\n";
       return kKilled + StopSignal::received();
     }
-    if (outcome_.code == kShardAgain || is_full(scratch_.path()) || is_full(plan_->folder)) {
-      ledger_.note_end(shard_->id, key_);
-      return again("a disk is full, or a result of an earlier stage is gone", err);
+    if (outcome_.code >= kKilled) {
+      return again(fmt::format("it was killed (signal {})", outcome_.code - kKilled));
     }
-    if (outcome_.code >= kKilled) {  // its start counts
-      return again(fmt::format("it was killed (signal {})", outcome_.code - kKilled), err);
+    ledger_.note_end(shard_->id, key_);
+    if (outcome_.code == kNotStarted) {
+      return again(program_->program.string() + " cannot be run in " +
+                   plan_->fleet_folder.string() + " on this machine");
     }
-    return outcome_.code == 0 ? take_result(out, err) : fail(last_line(log()), err);
+    if (log_.tells_of_a_full_disk()) {
+      return again("a disk is full: " + log_.last_line());
+    }
+    return outcome_.code == 0 ? take_result() : fail(log_.last_line());
+  }
+
+  int again(const std::string& why) const {
+    *err_ << "adit shard: " << shard_->id << ": " << why << ". Run it again; its log is "
+          << log_.file().string() << "\n";
+    return kShardAgain;
+  }
+
+  int fail(const std::string& reason) const {
+    ledger_.set_failed(shard_->id, result({}, reason));
+    *err_ << "adit shard: " << shard_->id << " has failed: " << reason << "\n  its log is "
+          << log_.file().string() << "\n";
+    return kShardFailed;
   }
 
  private:
-  fs::path log() const { return ledger_.log(shard_->id); }
-
   std::vector<std::string> words() const {
     const fs::path map = scratch_.path() / "map.adit";
     std::vector<std::string> words;
     for (const std::string& word : shard_->words) {
-      if (word.find("{map}") != std::string::npos) {
+      if (word == "{map}") {
         put_copy(plan_->folder / "site" / "map.adit", map);
       }
-      words.push_back(replaced(replaced(word, "{out}", out_.string()), "{map}", map.string()));
+      words.push_back(
+          replaced(replaced(replaced(word, "{out}", made_.string()), "{map}", map.string()),
+                   "{plan}", plan_->folder.string()));
+    }
+    if (shard_->stage == FleetStage::map || shard_->stage == FleetStage::pairs) {
+      words.insert(words.end(), program_->device_words.begin(), program_->device_words.end());
     }
     if (shard_->stage != FleetStage::map) {
-      fs::create_directories(out_);
+      fs::create_directories(made_);
     }
     return words;
-  }
-
-  int again(const std::string& why, std::ostream& err) const {
-    err << "adit shard: " << shard_->id << ": " << why << ". Run it again; its log is "
-        << log().string() << "\n";
-    return kShardAgain;
   }
 
   ShardResult result(const std::string& hash, const std::string& reason) const {
@@ -128,33 +163,32 @@ class ShardRun {
             .peak_memory = outcome_.peak_memory};
   }
 
-  int fail(const std::string& reason, std::ostream& err) const {
-    ledger_.set_failed(shard_->id, result({}, reason));
-    ledger_.note_end(shard_->id, key_);
-    err << "adit shard: " << shard_->id << " has failed: " << reason << "\n  its log is "
-        << log().string() << "\n";
-    return kShardFailed;
-  }
-
-  int take_result(std::ostream& out, std::ostream& err) const {
+  int take_result() const {
+    // Another machine may have run it, and somebody may have planned anew, in the meantime.
+    const FleetPlan plan = read_plan(plan_->folder);
+    const auto shard = std::ranges::find(plan.shards, shard_->id, &Shard::id);
+    const ShardStanding now =
+        shard == plan.shards.end() ? ShardStanding{} : standing_of(plan, *shard);
+    if (now.key != key_) {
+      return again("what it is made of has changed meanwhile");
+    }
+    if (now.state == ShardState::done) {
+      *out_ << "kept   " << shard_->id << "\n";
+      return kShardDone;
+    }
     std::string hash;
     std::string left_out;
-    try {
-      if (shard_->stage == FleetStage::product) {
-        hash = take_product();
-        left_out = hash.empty() ? "left out: the map has nothing for it" : "";
-      } else {
-        hash = take_files();
+    if (shard_->stage == FleetStage::product) {
+      hash = take_product();
+      left_out = hash.empty() ? log_.last_line("left out") : "";
+      if (hash.empty() && left_out.empty()) {
+        return fail("it has written nothing");
       }
-    } catch (const InputError& error) {
-      return fail(error.what(), err);
-    } catch (const OutputError& error) {
-      ledger_.note_end(shard_->id, key_);
-      return again(error.what(), err);
+    } else {
+      hash = take_files();
     }
     ledger_.set_done(shard_->id, result(hash, left_out));
-    ledger_.note_end(shard_->id, key_);
-    out << fmt::format("done   {} in {:.1f} s\n", shard_->id, outcome_.seconds);
+    *out_ << fmt::format("done   {} in {:.1f} s\n", shard_->id, outcome_.seconds);
     return kShardDone;
   }
 
@@ -168,10 +202,11 @@ class ShardRun {
       case FleetStage::pairs:
         return take_file("pairs.txt", shard_->result);
       case FleetStage::solve: {
-        put_copy(out_, plan_->folder / shard_->result);
-        return fingerprint(out_ / "map.adit").hash;
+        put_copy(made_, plan_->folder / shard_->result);
+        return whole_hash(made_ / "map.adit");
       }
       case FleetStage::report:
+        remove_stale_products(*plan_);
         take_file("README.md", fs::path("delivery") / "README.md");
         return take_file("report.md", shard_->result);
       case FleetStage::product:
@@ -181,34 +216,35 @@ class ShardRun {
   }
 
   std::string take_file(const char* name, const fs::path& to) const {
-    put_copy(out_ / name, plan_->folder / to);
-    return fingerprint(out_ / name).hash;
+    put_copy(made_ / name, plan_->folder / to);
+    return whole_hash(made_ / name);
   }
 
   std::string take_map() const {
-    const fs::path map = out_ / "map.adit";
+    const fs::path map = made_ / "map.adit";
     std::error_code error;
-    if (!fs::exists(map, error)) {
+    const MapPlaces places =
+        fs::exists(map, error) ? places_of(MapDatabase(map, MapAccess::read)) : MapPlaces{};
+    if (places.keyframes == 0) {
       throw InputError(shard_->inputs.front(), {}, "its run has made no map",
                        "See the log of its shard");
     }
-    write_text_file(out_ / "places.json", to_json(places_of(MapDatabase(map, MapAccess::read))));
-    put_copy(out_, plan_->folder / shard_->result);
-    return fingerprint(map).hash;
+    write_text_file(made_ / "places.json", to_json(places));
+    put_copy(made_, plan_->folder / shard_->result);
+    return whole_hash(map);
   }
 
   /// Empty: the map has nothing for it.
   std::string take_product() const {
-    const DeliveryProduct product{.file = shard_->result.filename().string()};
     const fs::path delivery = plan_->folder / "delivery";
-    for (const fs::path& old : files_of_product(product, delivery)) {
+    for (const fs::path& old : product_files(*plan_, *shard_, delivery)) {
       std::error_code ignored;
       fs::remove(old, ignored);
     }
     std::string hashes;
-    for (const fs::path& file : files_of_product(product, out_)) {
+    for (const fs::path& file : product_files(*plan_, *shard_, made_)) {
       put_copy(file, delivery / file.filename());
-      hashes += file.filename().string() + " " + fingerprint(file).hash + "\n";
+      hashes += file.filename().string() + " " + whole_hash(file) + "\n";
     }
     return hashes.empty() ? hashes : text_hash(hashes);
   }
@@ -217,117 +253,41 @@ class ShardRun {
   const Shard* shard_;
   ShardLedger ledger_;
   std::string key_;
-  fs::path program_;
+  const ShardProgram* program_;
+  std::ostream* out_;
+  std::ostream* err_;
+  ShardLog log_;
   TemporaryFolder scratch_;
-  fs::path out_;
+  fs::path made_;
   ChildOutcome outcome_;
 };
 
-std::string key_of(const FleetPlan& plan, const Shard& shard, const std::string& before) {
-  std::string made_of = fmt::format("{} {} {}", version(), shard.id, shard.input_hash) + before;
-  const auto add = [&](const std::vector<std::string>& words) {
-    for (const std::string& word : words) {
-      made_of += " " + replaced(word, plan.folder.string(), "");
-    }
-  };
-  switch (shard.stage) {
-    case FleetStage::map:
-      add(shard.words);
-      break;
-    case FleetStage::product:
-      add(shard.words);
-      add(plan.products.at(shard.number).options);
-      break;
-    case FleetStage::pairs:
-      made_of += fmt::format(" of {}{}", plan.of(FleetStage::pairs).size(),
-                             plan.same_site ? " same site" : "");
-      break;
-    case FleetStage::index:
-    case FleetStage::solve:
-    case FleetStage::report:
-      break;
-  }
-  return text_hash(made_of);
-}
-
-ShardState state_of(const ShardLedger& ledger, const Shard& shard, const std::string& key) {
-  if (const auto done = ledger.done(shard.id); done && done->key == key) {
-    return ShardState::done;
-  }
-  if (const auto failed = ledger.failed(shard.id); failed && failed->key == key) {
-    return ShardState::failed;
-  }
+/// How often the shard was killed on this machine. Of others nobody knows whether they still work.
+std::size_t kills_of(const ShardLedger& ledger, const Shard& shard, const std::string& key) {
+  const std::string host = host_name();
   const std::vector<ShardStart> starts = ledger.starts(shard.id);
-  return !starts.empty() && starts.back().key == key && !starts.back().ended ? ShardState::running
-                                                                             : ShardState::waiting;
+  return static_cast<std::size_t>(std::ranges::count_if(starts, [&](const ShardStart& one) {
+    return one.key == key && !one.ended && one.host == host &&
+           kill(static_cast<pid_t>(one.process), 0) != 0 && errno == ESRCH;
+  }));
 }
 
-bool is_changed(const Shard& shard) {
-  return shard.stage == FleetStage::map && fingerprint(shard.inputs).hash != shard.input_hash;
+int wait_for_others(const FleetPlan& plan, const Shard& shard, std::ostream& err) {
+  const std::vector<ShardStanding> standings = standings_of(plan, shard.stage);
+  const std::size_t missing = missing_for(plan, shard, standings).value_or(0);
+  const bool has_failed = standings[missing].state == ShardState::failed;
+  err << "adit shard: " << shard.id << " waits for " << plan.shards[missing].id
+      << (has_failed ? ", which has failed\n" : ", which is not done\n");
+  return has_failed ? kShardFailed : kShardAgain;
 }
 
-}  // namespace
-
-std::string_view to_string(ShardState state) {
-  constexpr std::array<std::string_view, 4> kNames = {"waiting", "running", "done", "failed"};
-  return kNames[static_cast<std::size_t>(state)];
-}
-
-std::vector<ShardStanding> standings_of(const FleetPlan& plan, FleetStage last) {
-  const ShardLedger ledger(plan.folder);
-  std::vector<ShardStanding> standings;
-  bool settled = true;   // the stages before
-  std::string earlier;   // their results
-  std::string before;    // those of the last one
-  std::string of_stage;  // those of the present one
-  for (const Shard& shard : plan.shards) {
-    if (shard.stage > last) {
-      break;
-    }
-    if (shard.number == 0 && shard.stage != FleetStage::map) {
-      for (std::size_t i = 0; i < standings.size(); ++i) {
-        settled = settled && is_settled(plan.shards[i].stage, standings[i].state);
-      }
-      before = std::exchange(of_stage, {});
-      earlier += before;
-    }
-    ShardStanding standing;
-    if (settled) {
-      // Products are of the map of all, whatever that was made of.
-      const bool of_last = shard.stage == FleetStage::product || shard.stage == FleetStage::pairs;
-      standing.key = key_of(plan, shard, of_last ? before : earlier);
-      standing.state = state_of(ledger, shard, *standing.key);
-      of_stage += shard.id + " " +
-                  (standing.state == ShardState::done ? ledger.done(shard.id)->hash : "failed") +
-                  "\n";
-    }
-    standings.push_back(standing);
-  }
-  return standings;
-}
-
-std::optional<std::string> missing_for(const FleetPlan& plan, const Shard& shard,
-                                       std::span<const ShardStanding> standings) {
-  for (std::size_t i = 0; i < standings.size(); ++i) {
-    const Shard& earlier = plan.shards[i];
-    if (earlier.stage < shard.stage && !is_settled(earlier.stage, standings[i].state)) {
-      return earlier.id;
-    }
-  }
-  return std::nullopt;
-}
-
-int run_shard(const FleetPlan& plan, const Shard& shard, const fs::path& program, std::ostream& out,
-              std::ostream& err) {
+int run_in_turn(const FleetPlan& plan, const Shard& shard, const ShardProgram& program,
+                std::ostream& out, std::ostream& err) {
   const ShardLedger ledger(plan.folder);
   ledger.prepare();
-  const std::vector<ShardStanding> standings = standings_of(plan, shard.stage);
-  const std::size_t place = static_cast<std::size_t>(&shard - plan.shards.data());
-  const auto& [key, state] = standings.at(place);
+  const auto& [key, state] = standing_of(plan, shard);
   if (!key) {
-    err << "adit shard: " << shard.id << " waits for "
-        << missing_for(plan, shard, standings).value_or("another shard") << ", which is not done\n";
-    return kShardAgain;
+    return wait_for_others(plan, shard, err);
   }
   if (state == ShardState::done) {
     out << "kept   " << shard.id << "\n";
@@ -338,22 +298,35 @@ int run_shard(const FleetPlan& plan, const Shard& shard, const fs::path& program
         << "\n  `adit plan " << plan.folder.string() << " --retry` lets it be tried again\n";
     return kShardFailed;
   }
-  if (is_changed(shard)) {
-    err << "adit shard: " << shard.inputs.front().string()
-        << " has changed since the plan was made. Make the plan again\n";
-    return kShardFailed;
+  ShardRun run(plan, shard, *key, program, out, err);
+  try {
+    if (shard.stage == FleetStage::map && fingerprint(shard.inputs).hash != shard.input_hash) {
+      return run.fail(shard.inputs.front().string() +
+                      " has changed since the plan was made. Make the plan again");
+    }
+    if (kills_of(ledger, shard, *key) >= kMostKills) {
+      return run.fail(
+          fmt::format("it was killed {} times: it needs more memory, perhaps", kMostKills));
+    }
+    return run.run();
+  } catch (const InputError& error) {
+    return run.fail(error.what());
   }
-  const std::vector<ShardStart> starts = ledger.starts(shard.id);
-  const auto unended = std::ranges::count_if(
-      starts, [&](const ShardStart& one) { return one.key == *key && !one.ended; });
-  if (static_cast<std::size_t>(unended) >= kMostStarts) {
-    const std::string reason = fmt::format(
-        "it was begun {} times and never came to an end: killed, or no memory", unended);
-    ledger.set_failed(shard.id, {.key = *key, .reason = reason, .host = host_name()});
-    err << "adit shard: " << shard.id << " has failed: " << reason << "\n";
-    return kShardFailed;
+}
+
+}  // namespace
+
+int run_shard(const FleetPlan& plan, const Shard& shard, const ShardProgram& program,
+              std::ostream& out, std::ostream& err) {
+  try {
+    return run_in_turn(plan, shard, program, out, err);
+  } catch (const FileError& error) {
+    err << "adit shard: " << shard.id << ": " << error.what() << " Run it again\n";
+    return kShardAgain;
+  } catch (const fs::filesystem_error& error) {
+    err << "adit shard: " << shard.id << ": " << error.what() << ". Run it again\n";
+    return kShardAgain;
   }
-  return ShardRun(plan, shard, *key, program).run(out, err);
 }
 
 }  // namespace adit

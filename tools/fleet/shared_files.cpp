@@ -3,12 +3,14 @@
 #include "adit/tools/fleet/shared_files.hpp"
 
 #include <array>
-#include <cerrno>
-#include <csignal>
-#include <cstdlib>
+#include <chrono>
+#include <random>
+#include <string>
 #include <system_error>
 
 #include <unistd.h>
+
+#include <fmt/core.h>
 
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/output_file.hpp"
@@ -18,10 +20,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A name beside the file that no other process uses.
+constexpr std::chrono::hours kOld{24};
+
+/// A name beside the file that no other process uses, on whatever machine.
 fs::path draft_of(const fs::path& file) {
+  std::random_device random;
   return file.parent_path() /
-         ("." + file.filename().string() + "." + host_name() + "." + std::to_string(getpid()));
+         fmt::format(".{}.{:08x}{:08x}.draft", file.filename().string(), random(), random());
 }
 
 void require(const std::error_code& error, const fs::path& file) {
@@ -36,15 +41,15 @@ void make_folder_of(const fs::path& file) {
   require(error, file);
 }
 
-/// Drafts of the same file that killed processes of this machine have left.
+/// Drafts of the same file that killed processes have left: no copy takes a day.
 void remove_orphans(const fs::path& file) {
-  const std::string begin = "." + file.filename().string() + "." + host_name() + ".";
+  const std::string begin = "." + file.filename().string() + ".";
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(file.parent_path(), error)) {
     const std::string name = entry.path().filename().string();
-    const int process = name.starts_with(begin) ? std::atoi(name.c_str() + begin.size()) : 0;
-    if (process > 0 && kill(process, 0) != 0 && errno == ESRCH) {
-      std::error_code ignored;
+    std::error_code ignored;
+    if (name.starts_with(begin) && name.ends_with(".draft") &&
+        fs::file_time_type::clock::now() - entry.last_write_time(ignored) > kOld) {
       fs::remove_all(entry.path(), ignored);
     }
   }

@@ -112,6 +112,7 @@ std::string to_json(const MapTie& tie) {
   json["log_odds"] = search.log_odds ? Json(*search.log_odds) : Json();
   json["built_alike_log_odds"] =
       search.built_alike_log_odds ? Json(*search.built_alike_log_odds) : Json();
+  json["not_searched"] = tie.not_searched;
   json["edges"] = Json::array();
   for (const PoseEdge& edge : tie.edges) {
     json["edges"].push_back(edge_json(edge));
@@ -120,13 +121,14 @@ std::string to_json(const MapTie& tie) {
   for (const LoopCandidate& candidate : tie.candidates) {
     json["pairs"].push_back(candidate_json(candidate));
   }
-  return json.dump() + "\n";
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 MapTie read_tie(const std::filesystem::path& file, std::size_t one, std::size_t other) {
   try {
     const Json json = Json::parse(read_text_file(file));
-    MapTie tie{.one = one, .other = other};
+    MapTie tie{
+        .one = one, .other = other, .not_searched = json.at("not_searched").get<std::string>()};
     tie.search = {.in = {0},
                   .map = 1,
                   .candidates = json.at("candidates").get<std::size_t>(),

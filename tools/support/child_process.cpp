@@ -63,6 +63,7 @@ ChildOutcome run_child(const ChildProcess& child) {
   pointers.push_back(nullptr);
   const auto begin = std::chrono::steady_clock::now();
   const pid_t parent = getpid();
+  std::signal(SIGCHLD, SIG_DFL);  // a parent may have left it ignored: then no end is told
   const pid_t process = fork();
   if (process == 0) {
     become(child.program.c_str(), pointers.data(), child.folder.c_str(), log, parent);
@@ -74,12 +75,16 @@ ChildOutcome run_child(const ChildProcess& child) {
   int status = 0;
   rusage usage{};
   int passed_on = 0;
-  while (wait4(process, &status, WNOHANG, &usage) == 0) {
+  pid_t ended = 0;
+  while ((ended = wait4(process, &status, WNOHANG, &usage)) == 0) {
     if (StopSignal::received() != passed_on) {
       passed_on = StopSignal::received();
       kill(process, passed_on);
     }
     usleep(kBetweenLooks);
+  }
+  if (ended < 0) {
+    refuse(child.program, "nobody knows how it ended");
   }
   return {
       .code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status),

@@ -153,6 +153,20 @@ Fingerprint fingerprint(const std::vector<fs::path>& paths) {
   return result;
 }
 
+std::string whole_hash(const fs::path& file) {
+  std::ifstream input(file, std::ios::binary);
+  Hash hash;
+  std::vector<char> piece(kPiece);
+  while (input.read(piece.data(), static_cast<std::streamsize>(piece.size())) ||
+         input.gcount() > 0) {
+    hash.add(piece.data(), static_cast<std::size_t>(input.gcount()));
+  }
+  if (!input.eof()) {
+    throw InputError(file, {}, "it cannot be read", "Check that it is there and readable");
+  }
+  return hash.text();
+}
+
 std::string text_hash(std::string_view text) {
   Hash hash;
   hash.add(text.data(), text.size());

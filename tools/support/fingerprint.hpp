@@ -24,6 +24,9 @@ Fingerprint fingerprint(const std::filesystem::path& path);
 /// Of several, in whatever order; of one the same as above.
 Fingerprint fingerprint(const std::vector<std::filesystem::path>& paths);
 
+/// Of all that a file holds: XXH3, 128 bits, hexadecimal. Throws InputError.
+std::string whole_hash(const std::filesystem::path& file);
+
 /// Of a text: XXH3, 128 bits, hexadecimal.
 std::string text_hash(std::string_view text);
 
