@@ -53,7 +53,7 @@ uint64_t key_of(const GroundHeights::Index& cell) {
 GroundPlanes::GroundPlanes(const GroundLevels& levels, double size) : grid_(size) {
   for (const auto& [cell, heights] : levels) {
     cells_[key_of(cell)] = {static_cast<uint32_t>(planes_.size()),
-                            static_cast<uint32_t>(heights.size())};
+                            static_cast<uint16_t>(heights.size())};
     for (const double height : heights) {
       planes_.push_back(fitted(levels, cell, height));
     }
@@ -80,7 +80,9 @@ GroundPlanes::Plane GroundPlanes::fitted(const GroundLevels& levels,
     }
   }
   const Eigen::Vector3d plane = lowest_plane(places);
-  return {.height = height + plane.x(), .slope = plane.tail<2>(), .middle = grid_.middle(cell)};
+  return {.height = static_cast<float>(height + plane.x()),
+          .slope_x = static_cast<float>(plane.y()),
+          .slope_y = static_cast<float>(plane.z())};
 }
 
 void GroundPlanes::spread(const GroundLevels& levels) {
@@ -96,7 +98,10 @@ void GroundPlanes::spread(const GroundLevels& levels) {
         const int64_t distance = y * y + x * x;
         const auto known = added.find(to);
         if ((known == added.end() || distance < known->second.distance) && !levels.contains(to)) {
-          added[to] = {distance, cells_.at(key_of(cell))};
+          Range planes = cells_.at(key_of(cell));
+          planes.to_row = static_cast<int8_t>(-y);
+          planes.to_column = static_cast<int8_t>(-x);
+          added[to] = {distance, planes};
         }
       }
     }
@@ -106,14 +111,29 @@ void GroundPlanes::spread(const GroundLevels& levels) {
   }
 }
 
-std::optional<double> GroundPlanes::height_above(const Eigen::Vector3d& point) const {
-  const auto cell = cells_.find(key_of(grid_.index_of(point.head<2>())));
-  if (cell == cells_.end()) {
-    return std::nullopt;
+std::vector<double> GroundPlanes::heights_at(const Eigen::Vector2d& place) const {
+  const GroundHeights::Index cell = grid_.index_of(place);
+  const auto found = cells_.find(key_of(cell));
+  if (found == cells_.end()) {
+    return {};
   }
+  const Range& range = found->second;
+  const Eigen::Vector2d from_middle =
+      place - grid_.middle({cell[0] + range.to_row, cell[1] + range.to_column});
+  std::vector<double> heights;
+  for (uint32_t i = range.first; i < range.first + range.count; ++i) {
+    const Plane& plane = planes_[i];
+    heights.push_back(static_cast<double>(plane.height) +
+                      static_cast<double>(plane.slope_x) * from_middle.x() +
+                      static_cast<double>(plane.slope_y) * from_middle.y());
+  }
+  return heights;
+}
+
+std::optional<double> GroundPlanes::height_above(const Eigen::Vector3d& point) const {
   std::optional<double> nearest;
-  for (uint32_t i = 0; i < cell->second.count; ++i) {
-    const double above = point.z() - planes_[cell->second.first + i].height_at(point.head<2>());
+  for (const double height : heights_at(point.head<2>())) {
+    const double above = point.z() - height;
     if (!nearest || std::abs(above) < std::abs(*nearest)) {
       nearest = above;
     }
@@ -127,16 +147,10 @@ bool GroundPlanes::is_ground(const Eigen::Vector3d& point) const {
 }
 
 bool GroundPlanes::is_below(const Eigen::Vector3d& point) const {
-  const auto cell = cells_.find(key_of(grid_.index_of(point.head<2>())));
-  if (cell == cells_.end()) {
-    return false;
-  }
-  bool below = true;
-  for (uint32_t i = 0; i < cell->second.count; ++i) {
-    below = below &&
-            point.z() < planes_[cell->second.first + i].height_at(point.head<2>()) - kThickness;
-  }
-  return below;
+  const std::vector<double> heights = heights_at(point.head<2>());
+  return !heights.empty() && std::ranges::all_of(heights, [&](double height) {
+    return point.z() < height - kThickness;
+  });
 }
 
 }  // namespace adit

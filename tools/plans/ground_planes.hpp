@@ -35,21 +35,22 @@ class GroundPlanes {
 
  private:
   struct Plane {
-    double height = 0.0;  ///< m, in the middle of its cell
-    Eigen::Vector2d slope = Eigen::Vector2d::Zero();
-    Eigen::Vector2d middle = Eigen::Vector2d::Zero();  ///< m
-
-    double height_at(const Eigen::Vector2d& place) const {
-      return height + slope.dot(place - middle);
-    }
+    float height = 0.0F;  ///< m, in the middle of its cell
+    float slope_x = 0.0F;
+    float slope_y = 0.0F;
   };
+  /// The planes of a cell: its own, or those of another one so many cells from it.
   struct Range {
     uint32_t first = 0;
-    uint32_t count = 0;
+    uint16_t count = 0;
+    int8_t to_row = 0;
+    int8_t to_column = 0;
   };
 
   Plane fitted(const GroundLevels& levels, const GroundHeights::Index& cell, double height) const;
   void spread(const GroundLevels& levels);
+  /// Heights of the planes (m) at a place.
+  std::vector<double> heights_at(const Eigen::Vector2d& place) const;
 
   GroundHeights grid_;
   std::vector<Plane> planes_;
