@@ -31,7 +31,6 @@ except ImportError as error:
 GROUND, LOW, HIGH, MOVING = 2, 7, 18, 64
 CONCRETE, ROCK, ASPHALT, SOIL = 1, 2, 3, 4
 LEVEL = 128
-FIRST = 1_700_000_000 - 315_964_800 + 18 - 1_000_000_000  # s, when simulations begin, as LAS files have it
 # Scene: way of moving, materials of the ground, and more for `adit simulate`.
 SCENES = {
     "room": ("walk", (CONCRETE,)),
@@ -51,14 +50,14 @@ def adit(program, *arguments):
 
 
 def read_las(file):
-    """Places (m), classes and times (s) of a LAS 1.4 file of format 6."""
+    """Places (m) and classes of a LAS 1.4 file of format 6."""
     data = np.memmap(file, dtype=np.uint8, mode="r")
     begin, size = int(data[96:100].view("<u4")[0]), int(data[105:107].view("<u2")[0])
     count = int(np.frombuffer(data[247:255].tobytes(), "<u8")[0])
     rows = data[begin : begin + count * size].reshape(count, size)
     scale = np.frombuffer(data[131:179].tobytes(), "<f8")
     places = np.ascontiguousarray(rows[:, :12]).view("<i4") * scale[:3] + scale[3:]
-    return places, np.asarray(rows[:, 16]), np.ascontiguousarray(rows[:, 22:30]).view("<f8")[:, 0]
+    return places, np.asarray(rows[:, 16])
 
 
 def read_poses(file):
@@ -112,17 +111,6 @@ def gross(world, ground, found):
     return 100 * (~right).sum() / max(1, found.sum())
 
 
-def of_mapped_sweeps(times, count):
-    """Which of so many returns are of sweeps that the map has: all, or all but some in a row, of 0.1 s each."""
-    sweeps = np.floor((times - FIRST) / 0.1 + 1e-4).astype(int)
-    absent = np.setdiff1d(np.arange(sweeps[-1] + 1), sweeps)
-    mapped = np.ones(count, bool)
-    if len(absent):
-        begin = np.searchsorted(sweeps, absent[0])
-        mapped[begin : begin + count - len(times)] = False
-    return mapped
-
-
 def share(part, whole):
     return f"{100 * part.sum() / whole.sum():.1f}" if whole.any() else "-"
 
@@ -139,14 +127,12 @@ def measure(program, folder, scene, seed, duration):
     begin = time.perf_counter()
     adit(program, "export", out, "--dense", "las", "--classify", "--clean", "mark", "-o", las)
     seconds = time.perf_counter() - begin
-    places, classes, times = read_las(las)
+    places, classes = read_las(las)
     surfaces = np.fromfile(recording.with_suffix(".truth.surfaces"), np.uint8)
     labels = recording.with_suffix(".truth.labels")
     moves = np.fromfile(labels, "<u2") > 0 if labels.exists() else np.zeros(len(surfaces), bool)
-    mapped = of_mapped_sweeps(times, len(surfaces))
-    if mapped.sum() != len(classes):
+    if len(surfaces) != len(classes):
         sys.exit(f"clean_clouds.py: {recording}: {len(surfaces)} surfaces for {len(classes)} returns")
-    surfaces, moves = surfaces[mapped], moves[mapped]
     world = in_world(places, read_poses(out / "trajectory.tum"), read_poses(recording.with_suffix(".truth.tum")))
     noise = (surfaces == 0) & ~moves
     ground = is_ground(scene, surfaces, world) & ~moves
