@@ -18,10 +18,13 @@
 
 namespace adit {
 
-/// Classes of points: one of the standard, one of those it leaves to users.
+/// Classes of points (LAS 1.4 R15, table 17), and one of those it leaves to users.
 enum class LasClass : uint8_t {
   unclassified = 1,
-  moving = 64,  ///< other sweeps saw through it
+  ground = 2,
+  low_noise = 7,    ///< below the ground
+  high_noise = 18,  ///< anywhere else
+  moving = 64,      ///< other sweeps saw through it
 };
 
 struct LasPoint {

@@ -3,7 +3,6 @@
 #include "adit/tools/clouds/pcd_writer.hpp"
 
 #include <string>
-#include <type_traits>
 #include <utility>
 
 namespace adit {
@@ -25,11 +24,17 @@ BasicPcdWriter<P>::BasicPcdWriter(std::filesystem::path path,
   for (const std::string& comment : comments) {
     head += "# " + comment + "\n";
   }
-  head += std::is_same_v<P, TimedPoint>
-              ? "VERSION 0.7\nFIELDS x y z intensity time ring\nSIZE 4 4 4 4 8 2\n"
-                "TYPE F F F F F U\nCOUNT 1 1 1 1 1 1\nWIDTH "
-              : "VERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\n"
-                "COUNT 1 1 1 1\nWIDTH ";
+  const auto line = [&](const char* name, const char* of_all, const char* of_time,
+                        const char* of_class) {
+    head += std::string(name) + of_all + (kHasTime<P> ? of_time : "") +
+            (kHasClass<P> ? of_class : "") + "\n";
+  };
+  head += "VERSION 0.7\n";
+  line("FIELDS", " x y z intensity", " time ring", " classification");
+  line("SIZE", " 4 4 4 4", " 8 2", " 1");
+  line("TYPE", " F F F F", " F U", " U");
+  line("COUNT", " 1 1 1 1", " 1 1", " 1");
+  head += "WIDTH ";
   width_offset_ = head.size();
   head += zero_padded(0) + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS ";
   points_offset_ = head.size();
@@ -53,5 +58,7 @@ void BasicPcdWriter<P>::close() {
 
 template class BasicPcdWriter<Point>;
 template class BasicPcdWriter<TimedPoint>;
+template class BasicPcdWriter<Classified<Point>>;
+template class BasicPcdWriter<Classified<TimedPoint>>;
 
 }  // namespace adit

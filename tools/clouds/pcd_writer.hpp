@@ -15,7 +15,8 @@
 namespace adit {
 
 /// Writes a cloud of any length as a binary PCD 0.7 (float x y z intensity, and of TimedPoints also
-/// double time and uint16 ring), as the points come. Throws OutputError.
+/// double time and uint16 ring, of classified points also uint8 classification), as the points
+/// come. Throws OutputError.
 template <class P>
 class BasicPcdWriter {
  public:
@@ -37,6 +38,8 @@ class BasicPcdWriter {
 
 extern template class BasicPcdWriter<Point>;
 extern template class BasicPcdWriter<TimedPoint>;
+extern template class BasicPcdWriter<Classified<Point>>;
+extern template class BasicPcdWriter<Classified<TimedPoint>>;
 using PcdWriter = BasicPcdWriter<Point>;
 using TimedPcdWriter = BasicPcdWriter<TimedPoint>;
 

@@ -4,7 +4,6 @@
 
 #include <bit>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 namespace adit {
@@ -35,8 +34,11 @@ BasicPlyWriter<P>::BasicPlyWriter(std::filesystem::path path,
   file_.write(head);
   file_.write(space_padded(0));
   file_.write("\nproperty float x\nproperty float y\nproperty float z\nproperty float intensity\n");
-  if constexpr (std::is_same_v<P, TimedPoint>) {
+  if constexpr (kHasTime<P>) {
     file_.write("property double time\nproperty ushort ring\n");
+  }
+  if constexpr (kHasClass<P>) {
+    file_.write("property uchar classification\n");
   }
   file_.write("end_header\n");
   file_.flush();
@@ -68,5 +70,7 @@ void BasicPlyWriter<P>::close() {
 
 template class BasicPlyWriter<Point>;
 template class BasicPlyWriter<TimedPoint>;
+template class BasicPlyWriter<Classified<Point>>;
+template class BasicPlyWriter<Classified<TimedPoint>>;
 
 }  // namespace adit

@@ -15,8 +15,9 @@
 namespace adit {
 
 /// Writes a cloud of any length as a binary little-endian PLY, as the points come: float x y z
-/// intensity, and of TimedPoints also double time and ushort ring. The file is a valid PLY of the
-/// points so far after the constructor, flush() and close(). Throws OutputError.
+/// intensity, of TimedPoints also double time and ushort ring, of classified points also uchar
+/// classification. The file is a valid PLY of the points so far after the constructor, flush() and
+/// close(). Throws OutputError.
 template <class P>
 class BasicPlyWriter {
  public:
@@ -41,6 +42,8 @@ class BasicPlyWriter {
 
 extern template class BasicPlyWriter<Point>;
 extern template class BasicPlyWriter<TimedPoint>;
+extern template class BasicPlyWriter<Classified<Point>>;
+extern template class BasicPlyWriter<Classified<TimedPoint>>;
 using PlyWriter = BasicPlyWriter<Point>;
 using TimedPlyWriter = BasicPlyWriter<TimedPoint>;
 

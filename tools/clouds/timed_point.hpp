@@ -16,7 +16,26 @@ struct TimedPoint {
   double time = 0.0;  ///< s, of the recording's clock
   uint16_t ring = 0;  ///< beam
 };
+
+/// A point with its class, as files hold it.
+template <class P>
+struct Classified {
+  P point{};
+  uint8_t classification = 1;  ///< LasClass
+};
 #pragma pack(pop)
 static_assert(sizeof(TimedPoint) == 26);
+
+/// What a type of points has.
+template <class P>
+inline constexpr bool kHasTime = false;
+template <>
+inline constexpr bool kHasTime<TimedPoint> = true;
+template <class P>
+inline constexpr bool kHasTime<Classified<P>> = kHasTime<P>;
+template <class P>
+inline constexpr bool kHasClass = false;
+template <class P>
+inline constexpr bool kHasClass<Classified<P>> = true;
 
 }  // namespace adit

@@ -16,6 +16,7 @@
 #include "adit/tools/cli/command_guard.hpp"
 #include "adit/tools/cli/command_line.hpp"
 #include "adit/tools/cli/shared_options.hpp"
+#include "adit/tools/commands/export_class_options.hpp"
 #include "adit/tools/commands/export_plan_options.hpp"
 #include "adit/tools/export/export_cloud.hpp"
 #include "adit/tools/export/export_contours.hpp"
@@ -117,14 +118,15 @@ void check_selection(const ExportCommandOptions& options) {
   if (options.without_gone && !points) {
     throw UsageError("--without-gone is for points: --cloud, --dense, --tiles, --raster, plans.");
   }
-  if (!options.find_moving && (!options.device.device.empty() || options.device.validation ||
-                               options.device.max_vram_bytes > 0)) {
-    throw UsageError("--device, --max-vram and --validation need --find-moving.");
+  const bool finds_moving = options.find_moving || !options.clean.empty();
+  if (!finds_moving && (!options.device.device.empty() || options.device.validation ||
+                        options.device.max_vram_bytes > 0)) {
+    throw UsageError("--device, --max-vram and --validation need --find-moving or --clean.");
   }
   if (options.without_moving && (!options.raster.empty() || is_plan(options))) {
     throw UsageError("--without-moving: rasters and plans leave out what moves anyway.");
   }
-  if (options.without_moving && !options.dense.empty() && !options.find_moving) {
+  if (options.without_moving && !options.dense.empty() && !finds_moving) {
     throw UsageError(
         "--without-moving: of single returns it is not known, unless --find-moving looks for it.");
   }
@@ -218,6 +220,7 @@ void check_options(const ExportCommandOptions& options) {
   }
   check_rasters(options);
   check_plan_options(options);
+  check_class_options(options);
   check_frames(options);
   check_selection(options);
   check_inputs(options);
@@ -301,7 +304,7 @@ int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& er
   }
   std::string wrote;
   try {
-    if (options.find_moving) {
+    if (options.find_moving || !options.clean.empty()) {
       job.moved = find_moving(job, out);
     }
     if (options.without_gone) {
@@ -346,6 +349,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
       "  adit export out --cloud pcd --resolution 0.1 -o cloud.pcd\n"
       "  adit export out --cloud las --origin 48.1,11.5,520,90 -o cloud.las\n"
       "  adit export out --cloud las --find-moving --without-moving -o static.las\n"
+      "  adit export out --cloud laz --classify --clean mark -o classes.laz\n"
       "  adit export out --dense ply -o dense.ply\n"
       "  adit export out --tiles 20 -o autoware\n"
       "  adit export out --raster height --cell 0.5 -o height.tif\n"
@@ -451,6 +455,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
   command.flag("--find-moving", options->find_moving,
                "Looks for what has moved from one submap to the next, too, on the device: some "
                "tenths of a second a keyframe in software");
+  add_class_options(command, *options);
   add_device_options(command, options->device);
   add_max_ram_option(command, options->max_ram_bytes);
   command.flag(

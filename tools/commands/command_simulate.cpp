@@ -148,7 +148,8 @@ int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std
         << files.recording.string() << "\n          " << files.trajectory.string()
         << " (T_world_lidar)\n          " << files.states.string()
         << " (IMU: pose, velocity, biases)\n          " << files.loops.string()
-        << " (places that see the same)\n          "
+        << " (places that see the same)\n          " << files.surfaces.string()
+        << " (what each return is of)\n          "
         << (options.change.share > 0.0 ? fmt::format("{} ({} objects gone or new)\n          ",
                                                      files.changes.string(), summary.changes)
                                        : "")

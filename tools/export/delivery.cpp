@@ -43,13 +43,13 @@ constexpr std::string_view kDefault = R"(# What `adit deliver` writes, a [[produ
 
 [[product]]
 file = "cloud.copc.laz"
-export = "--cloud copc"
-about = "The point cloud with an octree: opens at once in QGIS, CloudCompare and Potree, whatever its size."
+export = "--cloud copc --classify"
+about = "The point cloud with an octree: opens at once in QGIS, CloudCompare and Potree, whatever its size; ground is class 2."
 
 [[product]]
 file = "cloud.laz"
-export = "--cloud laz --resolution 0.05"
-about = "The point cloud, a point every 5 cm, for programs that read LAZ."
+export = "--cloud laz --resolution 0.05 --classify"
+about = "The point cloud, a point every 5 cm, for programs that read LAZ; ground is class 2."
 
 [[product]]
 file = "height.tif"

@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "adit/tools/clouds/las_writer.hpp"
+#include "adit/tools/export/cloud_classes.hpp"
 #include "adit/tools/map_database/map_trajectory.hpp"
 #include "adit/tools/map_products/cloud_product.hpp"
 #include "adit/tools/map_products/dense_cloud.hpp"
@@ -71,8 +72,11 @@ std::string export_cloud(const ExportJob& job) {
   const ExportCommandOptions& options = *job.options;
   const CloudFormat format = cloud_format(options.cloud);
   const ProductCoordinates coordinates = coordinates_of(job, is_las(format));
-  const CloudSelection selection = selection_of(job, coordinates);
+  const CloudClasses classes = find_classes(job, coordinates);
+  ClassFilter filter(classes);
+  const CloudSelection selection = with_classes(selection_of(job, coordinates), classes);
   CloudHeading heading = heading_of(coordinates);
+  heading.classified = classes.any();
   heading.unix_times = has_unix_times(*job.map);
   const std::unique_ptr<CloudProduct> product = make_cloud_product(job.file, format, heading);
   // Of a thinned cloud nobody knows how many pieces it comes in.
@@ -83,7 +87,7 @@ std::string export_cloud(const ExportJob& job) {
   }
   std::size_t pieces = 0;
   const TakeCloud take = [&](std::span<const CloudPoint> points) {
-    product->write(points);
+    product->write(filter.pass(points));
     require_within(job);
     if (progress) {
       progress->update(++pieces, 0);
@@ -99,19 +103,18 @@ std::string export_cloud(const ExportJob& job) {
     progress->finish();
   }
   product->close();
-  return fmt::format("{} points{}{}", product->count(), in_coordinates(coordinates),
-                     times_of(format, heading));
+  return fmt::format("{} points{}{}{}", product->count(), in_coordinates(coordinates),
+                     times_of(format, heading), filter.text());
 }
 
 std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordinates,
-                        const TakeCloud& take) {
+                        const CloudSelection& selection, const TakeCloud& take) {
   const ExportCommandOptions& options = *job.options;
   const std::vector<MapSession> sessions = job.map->sessions();
   if (sessions.size() != 1) {
     throw InputError(options.map, {}, "it holds " + std::to_string(sessions.size()) + " sessions",
                      "A dense cloud is made of a map of one recording");
   }
-  const CloudSelection selection = selection_of(job, coordinates);
   Config settings = parse_config(sessions.front().configuration, options.map);
   settings.imu.use = false;  // sweeps alone are looked for
   settings.gnss.use = false;
@@ -163,8 +166,10 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
       return selection.is_gone && selection.is_gone(point.position, known.session);
     });
     for (CloudPoint& point : points) {
-      point.moving = has_moved(selection, point.position);
-      point.position = coordinates.from_map(point.position);
+      const Eigen::Vector3d in_map = point.position;
+      point.moving = has_moved(selection, in_map);
+      point.position = coordinates.from_map(in_map);
+      classify(selection, in_map, point);
       point.keyframe = known.keyframe;
       point.session = known.session;
     }
@@ -196,18 +201,23 @@ std::string export_dense(const ExportJob& job) {
   const CloudFormat format = cloud_format(job.options->dense);
   const ProductCoordinates coordinates = coordinates_of(job, is_las(format));
   CloudHeading heading = heading_of(coordinates);
+  const CloudClasses classes = find_classes(job, coordinates);
+  ClassFilter filter(classes);
   heading.measured = true;
+  heading.classified = classes.any();
   heading.unix_times = has_unix_times(*job.map);
   std::unique_ptr<CloudProduct> product;  // of another recording nothing is written
-  const std::string sweeps = visit_dense(job, coordinates, [&](std::span<const CloudPoint> points) {
-    if (!product) {
-      product = make_cloud_product(job.file, format, heading);
-    }
-    product->write(points);
-  });
+  const std::string sweeps =
+      visit_dense(job, coordinates, with_classes(selection_of(job, coordinates), classes),
+                  [&](std::span<const CloudPoint> points) {
+                    if (!product) {
+                      product = make_cloud_product(job.file, format, heading);
+                    }
+                    product->write(filter.pass(points));
+                  });
   product->close();
-  return fmt::format("{} points of {}{}{}", product->count(), sweeps, in_coordinates(coordinates),
-                     times_of(format, heading));
+  return fmt::format("{} points of {}{}{}{}", product->count(), sweeps, in_coordinates(coordinates),
+                     times_of(format, heading), filter.text());
 }
 
 std::string export_tiles(const ExportJob& job) {
@@ -220,6 +230,9 @@ std::string export_tiles(const ExportJob& job) {
     heading.offset = coordinates.origin();
     coordinates = coordinates.counted_from(heading.offset);
   }
+  const CloudClasses classes = find_classes(job, coordinates);
+  ClassFilter filter(classes);
+  heading.classified = classes.any();
   if (job.file != *options.output) {
     TileFolder::remove(job.file);  // a draft that an interrupted export has left
   }
@@ -227,16 +240,19 @@ std::string export_tiles(const ExportJob& job) {
   visit_tiles(*job.map, coordinates,
               {.size = *options.tiles,
                .resolution = options.resolution,
-               .selection = selection_of(job, coordinates)},
+               .selection = with_classes(selection_of(job, coordinates), classes)},
               job.memory->submap_bytes(),
               [&](const TileNumber& tile, std::span<const CloudPoint> points) {
-                folder.write(tile, points);
+                if (const auto kept = filter.pass(points); !kept.empty()) {
+                  folder.write(tile, kept);
+                }
                 require_within(job);
               });
   folder.close(coordinates, job.georeference);
   return fmt::format(
-      "{} points in {} tiles{}{}", folder.points(), folder.tiles(), in_coordinates(coordinates),
-      is_las(format) || heading.coordinates.empty() ? "" : " less those of the origin");
+      "{} points in {} tiles{}{}{}", folder.points(), folder.tiles(), in_coordinates(coordinates),
+      is_las(format) || heading.coordinates.empty() ? "" : " less those of the origin",
+      filter.text());
 }
 
 }  // namespace adit

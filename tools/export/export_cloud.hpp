@@ -19,7 +19,7 @@ std::string export_cloud(const ExportJob& job);
 std::string export_dense(const ExportJob& job);
 /// The same for whoever takes the points, in these coordinates. Returns what there was.
 std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordinates,
-                        const TakeCloud& take);
+                        const CloudSelection& selection, const TakeCloud& take);
 
 /// A file a tile, in a folder, with what Autoware's map loader asks for.
 std::string export_tiles(const ExportJob& job);

@@ -28,13 +28,7 @@ constexpr int64_t kIndexContour = 5;  // each fifth is drawn on a layer of its o
 
 }  // namespace
 
-GroundHeights ground_of(const ExportJob& job, const ProductCoordinates& coordinates, double size,
-                        const std::string& option) {
-  if (size < kSearchCell) {
-    throw UsageError(option +
-                     ": the ground is known in cells of 0.25 m. Choose a --cell that is no "
-                     "smaller.");
-  }
+GroundLevelsFound find_ground(const ExportJob& job, const ProductCoordinates& coordinates) {
   const CloudSelection selection = selection_of(job, coordinates);
   CloudSelection anywhere = selection;
   anywhere.polygon.clear();  // the ground of a part is reached from outside of it, too
@@ -50,13 +44,25 @@ GroundHeights ground_of(const ExportJob& job, const ProductCoordinates& coordina
                       search.add(points);
                       require_within(job);
                     });
-  const GroundHeights all = search.reached_from(floors_under(std::move(steps)));
+  return {.levels = search.levels_from(floors_under(std::move(steps))), .size = kSearchCell};
+}
+
+GroundHeights ground_of(const ExportJob& job, const ProductCoordinates& coordinates, double size,
+                        const std::string& option) {
+  if (size < kSearchCell) {
+    throw UsageError(option +
+                     ": the ground is known in cells of 0.25 m. Choose a --cell that is no "
+                     "smaller.");
+  }
+  const CloudSelection selection = selection_of(job, coordinates);
+  const GroundLevelsFound found = find_ground(job, coordinates);
+  const GroundHeights grid(found.size);
   GroundHeights ground(size);
   std::map<GroundHeights::Index, std::pair<double, double>> means;  // sum and number
-  for (const auto& [cell, height] : all.cells()) {
-    if (selection.polygon.empty() || is_within(selection.polygon, all.middle(cell))) {
-      auto& [sum, count] = means[ground.index_of(all.middle(cell))];
-      sum += height;
+  for (const auto& [cell, heights] : found.levels) {
+    if (selection.polygon.empty() || is_within(selection.polygon, grid.middle(cell))) {
+      auto& [sum, count] = means[ground.index_of(grid.middle(cell))];
+      sum += heights.front();
       count += 1.0;
     }
   }

@@ -11,6 +11,14 @@
 
 namespace adit {
 
+/// The ground of all storeys around the part that is wanted.
+struct GroundLevelsFound {
+  GroundLevels levels{};
+  double size = 0.0;  ///< m, of cells
+};
+/// Empty where no ground was seen.
+GroundLevelsFound find_ground(const ExportJob& job, const ProductCoordinates& coordinates);
+
 /// Of the part that is wanted, in cells of `size` (m). Throws UsageError, naming `option`, where
 /// there is none.
 GroundHeights ground_of(const ExportJob& job, const ProductCoordinates& coordinates, double size,

@@ -41,6 +41,8 @@ struct ExportCommandOptions {
   bool without_moving = false;
   bool without_gone = false;         ///< by what later sessions, up to `until`, see through
   bool find_moving = false;          ///< by the rays of all submaps, on the device
+  bool classify = false;             ///< points of the ground are a class
+  std::string clean{};               ///< mark, drop; empty: noise is not looked for
   std::string raster{};              ///< height, intensity, ground
   bool report = false;               ///< a page for whoever takes delivery
   bool grid = false;                 ///< occupancy grid of ROS map_server

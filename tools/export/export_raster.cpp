@@ -47,7 +47,7 @@ std::string export_raster(const ExportJob& job) {
     require_within(job);
   };
   if (intensity) {
-    visit_dense(job, coordinates, take);
+    visit_dense(job, coordinates, selection_of(job, coordinates), take);
   } else if (ground) {
     const GroundHeights heights = ground_of(job, coordinates, cell, "--raster ground");
     for (const auto& [index, height] : heights.cells()) {

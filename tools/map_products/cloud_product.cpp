@@ -7,7 +7,6 @@
 #include <cmath>
 #include <optional>
 #include <stdexcept>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -31,6 +30,23 @@ std::vector<std::string> comments_of(const CloudHeading& heading) {
                       heading.offset.y(), heading.offset.z())};
 }
 
+/// A point as files in single precision hold it, at that place.
+template <class P>
+P packed(const CloudPoint& point, const Eigen::Vector3f& p) {
+  if constexpr (kHasClass<P>) {
+    return {packed<decltype(P::point)>(point, p), static_cast<uint8_t>(class_of(point))};
+  } else if constexpr (kHasTime<P>) {
+    return {.x = p.x(),
+            .y = p.y(),
+            .z = p.z(),
+            .intensity = point.intensity,
+            .time = seconds(point.time),
+            .ring = point.ring};
+  } else {
+    return {.x = p.x(), .y = p.y(), .z = p.z(), .intensity = point.intensity};
+  }
+}
+
 /// PLY and PCD.
 template <class Writer, class P>
 class SingleProduct final : public CloudProduct {
@@ -41,17 +57,7 @@ class SingleProduct final : public CloudProduct {
   void write(std::span<const CloudPoint> points) override {
     single_.clear();
     for (const CloudPoint& point : points) {
-      const Eigen::Vector3f p = (point.position - offset_).cast<float>();
-      if constexpr (std::is_same_v<P, TimedPoint>) {
-        single_.push_back({.x = p.x(),
-                           .y = p.y(),
-                           .z = p.z(),
-                           .intensity = point.intensity,
-                           .time = seconds(point.time),
-                           .ring = point.ring});
-      } else {
-        single_.push_back({.x = p.x(), .y = p.y(), .z = p.z(), .intensity = point.intensity});
-      }
+      single_.push_back(packed<P>(point, (point.position - offset_).cast<float>()));
     }
     writer_.write(single_);
   }
@@ -93,6 +99,19 @@ LasHeading las_heading(const CloudHeading& heading) {
           .unix_times = heading.unix_times};
 }
 
+/// Of BasicPlyWriter or BasicPcdWriter, for the points that the heading says.
+template <template <class> class Writer>
+std::unique_ptr<CloudProduct> make_single(const std::filesystem::path& file,
+                                          const CloudHeading& heading) {
+  const auto make = [&]<class P>(P) -> std::unique_ptr<CloudProduct> {
+    if (heading.classified) {
+      return std::make_unique<SingleProduct<Writer<Classified<P>>, Classified<P>>>(file, heading);
+    }
+    return std::make_unique<SingleProduct<Writer<P>, P>>(file, heading);
+  };
+  return heading.measured ? make(TimedPoint{}) : make(Point{});
+}
+
 /// LasWriter or CopcWriter.
 template <class Writer>
 class LasProduct final : public CloudProduct {
@@ -112,7 +131,7 @@ class LasProduct final : public CloudProduct {
            .time = point.time,
            .intensity = static_cast<uint16_t>(
                std::lround(std::clamp(intensity * stretch_.value_or(1.0F), 0.0F, kMost))),
-           .classification = point.moving ? LasClass::moving : LasClass::unclassified,
+           .classification = class_of(point),
            .source = static_cast<uint16_t>(std::clamp<SessionId>(point.session, 0, 65535)),
            .ring = point.ring,
            .keyframe = static_cast<uint32_t>(point.keyframe)});
@@ -165,17 +184,11 @@ std::unique_ptr<CloudProduct> make_cloud_product(const std::filesystem::path& fi
     case CloudFormat::copc:
       return std::make_unique<LasProduct<CopcWriter>>(file, las_heading(heading));
     case CloudFormat::ply:
-      if (heading.measured) {
-        return std::make_unique<SingleProduct<TimedPlyWriter, TimedPoint>>(file, heading);
-      }
-      return std::make_unique<SingleProduct<PlyWriter, Point>>(file, heading);
+      return make_single<BasicPlyWriter>(file, heading);
     case CloudFormat::pcd:
       break;
   }
-  if (heading.measured) {
-    return std::make_unique<SingleProduct<TimedPcdWriter, TimedPoint>>(file, heading);
-  }
-  return std::make_unique<SingleProduct<PcdWriter, Point>>(file, heading);
+  return make_single<BasicPcdWriter>(file, heading);
 }
 
 }  // namespace adit

@@ -33,6 +33,7 @@ struct CloudHeading {
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
   bool measured = false;  ///< intensity, ring and time are those of returns: PLY and PCD have them
   bool unix_times = false;  ///< stamps are; of LAS
+  bool classified = false;  ///< classes were looked for: PLY and PCD have them
 };
 /// That of a cloud in these coordinates.
 CloudHeading heading_of(const ProductCoordinates& coordinates);

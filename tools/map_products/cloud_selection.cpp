@@ -19,6 +19,25 @@ bool is_within(std::span<const Eigen::Vector2d> polygon, const Eigen::Vector2d& 
   return inside;
 }
 
+LasClass class_of(const CloudPoint& point) {
+  return point.moving ? LasClass::moving : point.classification;
+}
+
+bool is_noise(LasClass one) {
+  return one == LasClass::low_noise || one == LasClass::high_noise;
+}
+
+void classify(const CloudSelection& selection, const Eigen::Vector3d& in_map, CloudPoint& point) {
+  if (selection.class_at) {
+    point.classification = selection.class_at(in_map, point.position);
+    point.moving = point.moving && point.classification == LasClass::unclassified;
+  }
+}
+
+bool is_dropped(const CloudSelection& selection, const CloudPoint& point) {
+  return selection.drops_noise && (point.moving || is_noise(point.classification));
+}
+
 bool has_moved(const CloudSelection& selection, const Eigen::Vector3d& point) {
   return selection.moved && selection.moved->contains(point);
 }

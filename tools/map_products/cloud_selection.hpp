@@ -14,6 +14,7 @@
 
 #include "adit/slam/core/types.hpp"
 #include "adit/slam/mapping/map_store.hpp"
+#include "adit/tools/clouds/las_layout.hpp"
 
 namespace adit {
 
@@ -29,7 +30,12 @@ struct CloudPoint {
   NodeId keyframe = 0;
   SessionId session = 0;
   bool moving = false;  ///< other sweeps or submaps saw through it
+  /// Ground or noise, as far as it is looked for.
+  LasClass classification = LasClass::unclassified;
 };
+bool is_noise(LasClass one);
+/// With `moving`.
+LasClass class_of(const CloudPoint& point);
 using TakeCloud = std::function<void(std::span<const CloudPoint>)>;
 
 /// What is wanted; everything unless something is said.
@@ -45,7 +51,18 @@ struct CloudSelection {
   /// Points (map frame, m) of sessions that are left out, as what they were of is gone since.
   /// Empty: none.
   std::function<bool(const Eigen::Vector3d& point, SessionId session)> is_gone{};
+  /// The class of a point by its place in the map's frame and in the product's coordinates, m.
+  /// Empty: all are unclassified.
+  std::function<LasClass(const Eigen::Vector3d& in_map, const Eigen::Vector3d& in_product)>
+      class_at{};
+  /// What is noise or moves is left out by whoever takes the points, and stands for no others.
+  bool drops_noise = false;
 };
+/// Gives the point, which is at `in_map` (m) in the map's frame, its class. Ground does not move,
+/// what stood on it did; and a point that is alone is no object.
+void classify(const CloudSelection& selection, const Eigen::Vector3d& in_map, CloudPoint& point);
+/// Whether the point is left out later.
+bool is_dropped(const CloudSelection& selection, const CloudPoint& point);
 
 /// Whether the point of the map (m) has moved, as far as was looked.
 bool has_moved(const CloudSelection& selection, const Eigen::Vector3d& point);

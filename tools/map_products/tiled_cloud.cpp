@@ -45,7 +45,7 @@ void visit(const MapDatabase& map, const ProductCoordinates& coordinates, const 
       for (const CloudPoint& point :
            points_of_keyframe(keyframe, *submap, coordinates, wanted.selection)) {
         if (grid.tile_of(point.position.head<2>()) == tile &&
-            (!thinning || thinning->take(point.position))) {
+            (!thinning || is_dropped(wanted.selection, point) || thinning->take(point.position))) {
           chosen.push_back(point);
         }
       }
@@ -72,11 +72,12 @@ std::vector<CloudPoint> points_of_keyframe(const MapKeyframe& keyframe,
     if (selection.is_gone && selection.is_gone(position, keyframe.session)) {
       continue;
     }
-    const CloudPoint point{.position = coordinates.from_map(position),
-                           .time = time,
-                           .keyframe = keyframe.id,
-                           .session = keyframe.session,
-                           .moving = measured.seen_through || has_moved(selection, position)};
+    CloudPoint point{.position = coordinates.from_map(position),
+                     .time = time,
+                     .keyframe = keyframe.id,
+                     .session = keyframe.session,
+                     .moving = measured.seen_through || has_moved(selection, position)};
+    classify(selection, position, point);
     if (is_wanted(selection, point)) {
       points.push_back(point);
     }

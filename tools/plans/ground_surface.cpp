@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <iterator>
 #include <set>
 #include <utility>
 #include <vector>
@@ -16,12 +17,100 @@ namespace {
 constexpr double kSteepest = 1.0;
 constexpr double kLevelSurface = 0.7;  // of a normal's z: 45 degrees
 constexpr double kLevelHeight = 0.25;  // m: surfaces that are closer to each other are one
-// m, of a step besides the slope: kerbs, rails, and noise.
-constexpr double kLeastStep = 0.1;
-// Cells without points that a step may cross. It may rise no more than to the next cell: what is
-// hidden is no cliff.
-constexpr int64_t kJump = 3;
-constexpr double kUnderPath = 0.5;  // m, of the ground from the floor under the sensor
+constexpr double kUnderPath = 0.5;     // m, of the ground from the floor under the sensor
+
+constexpr double kBesidePath = 1.0;  // m
+
+/// Goes over the ground from surface to surface.
+class Flood {
+ public:
+  Flood(std::map<GroundHeights::Index, std::vector<double>> surfaces, double size)
+      : surfaces_(std::move(surfaces)), grid_(size) {}
+
+  /// Begins at surfaces within `reach` (m) of a step, whose height is its floor's within `most`
+  /// (m).
+  void begin(const FloorStep& step, double reach, double most) {
+    visit_around(step, reach, [&](const GroundHeights::Index& cell) {
+      take(cell, step.floor, most);
+      return false;
+    });
+  }
+
+  void run() {
+    while (!waiting_.empty()) {
+      const Reached at = waiting_.front();
+      waiting_.pop_front();
+      for (int64_t dy = -1; dy <= 1; ++dy) {
+        for (int64_t dx = -1; dx <= 1; ++dx) {
+          const double distance =
+              grid_.size() * std::hypot(static_cast<double>(dy), static_cast<double>(dx));
+          bool found = dx == 0 && dy == 0;
+          for (int64_t n = 1; !found && n <= kGroundGap + 1; ++n) {
+            found = take({at.cell[0] + n * dy, at.cell[1] + n * dx}, at.height,
+                         kSteepest * distance + kGroundStep);
+          }
+        }
+      }
+    }
+  }
+
+  /// Whether ground that is the step's floor was reached beside it.
+  bool has_ground_at(const FloorStep& step) const {
+    return visit_around(step, kBesidePath, [&](const GroundHeights::Index& cell) {
+      const auto known = ground_.find(cell);
+      return known != ground_.end() && std::ranges::any_of(known->second, [&](double height) {
+               return std::abs(height - step.floor) <= kUnderPath;
+             });
+    });
+  }
+
+  GroundLevels ground() const { return ground_; }
+
+ private:
+  struct Reached {
+    GroundHeights::Index cell;
+    double height = 0.0;
+  };
+
+  /// Until `visit` says that it has found what it looks for; whether it did.
+  template <class Visit>
+  bool visit_around(const FloorStep& step, double reach, const Visit& visit) const {
+    const auto cells = static_cast<int64_t>(std::ceil(reach / grid_.size()));
+    const GroundHeights::Index under = grid_.index_of(step.sensor.head<2>());
+    for (int64_t y = under[0] - cells; y <= under[0] + cells; ++y) {
+      for (int64_t x = under[1] - cells; x <= under[1] + cells; ++x) {
+        if (visit(GroundHeights::Index{y, x})) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  /// Whether there is anything in that cell; takes what is near enough to a height.
+  bool take(const GroundHeights::Index& cell, double from, double most) {
+    const auto found = surfaces_.find(cell);
+    if (found == surfaces_.end()) {
+      return false;
+    }
+    const double nearest = *std::ranges::min_element(
+        found->second, {}, [&](double height) { return std::abs(height - from); });
+    if (std::abs(nearest - from) <= most) {
+      std::vector<double>& known = ground_[cell];
+      if (std::ranges::all_of(
+              known, [&](double height) { return std::abs(nearest - height) >= kLeastStorey; })) {
+        known.push_back(nearest);
+        waiting_.push_back({cell, nearest});
+      }
+    }
+    return true;
+  }
+
+  std::map<GroundHeights::Index, std::vector<double>> surfaces_;
+  GroundHeights grid_;
+  GroundLevels ground_{};
+  std::deque<Reached> waiting_{};
+};
 
 }  // namespace
 
@@ -54,67 +143,53 @@ void GroundSearch::add(std::span<const PlanPoint> points) {
   }
 }
 
-std::vector<double> GroundSearch::surfaces(const GroundHeights::Index& cell) const {
-  std::vector<double> heights;
+std::map<GroundHeights::Index, std::vector<double>> GroundSearch::surfaces() const {
+  std::map<GroundHeights::Index, std::vector<double>> surfaces;
   Level open;
+  GroundHeights::Index cell{};
   const auto close = [&] {
     if (open.points > 0.0) {
-      heights.push_back(open.sum / open.points);
+      surfaces[cell].push_back(open.sum / open.points);
     }
     open = {};
   };
-  auto at = levels_.lower_bound({cell[0], cell[1], INT64_MIN});
-  for (; at != levels_.end() && at->first[0] == cell[0] && at->first[1] == cell[1]; ++at) {
-    const Level& level = at->second;
+  for (const auto& [at, level] : levels_) {
+    const GroundHeights::Index here = {at[0], at[1]};
     // A surface on the border of two levels is in both.
-    if (open.points > 0.0 && level.sum / level.points - open.sum / open.points > kLevelHeight) {
+    if (here != cell ||
+        (open.points > 0.0 && level.sum / level.points - open.sum / open.points > kLevelHeight)) {
       close();
     }
+    cell = here;
     open.sum += level.sum;
     open.points += level.points;
   }
   close();
-  return heights;
+  return surfaces;
+}
+
+GroundLevels GroundSearch::levels_from(std::span<const FloorStep> steps) const {
+  Flood flood(surfaces(), size_);
+  for (const FloorStep& step : steps) {
+    // The ground right under the sensor is hidden by its carrier.
+    flood.begin(step, kBesidePath, kUnderPath);
+  }
+  flood.run();
+  // Beams reach the floor far from the sensor: a short path on it is beside none of what was seen.
+  std::vector<FloorStep> without;
+  std::ranges::copy_if(steps, std::back_inserter(without),
+                       [&](const FloorStep& step) { return !flood.has_ground_at(step); });
+  for (const FloorStep& step : without) {
+    flood.begin(step, kGroundReach, kGroundStep);
+  }
+  flood.run();
+  return flood.ground();
 }
 
 GroundHeights GroundSearch::reached_from(std::span<const FloorStep> steps) const {
   GroundHeights ground(size_);
-  std::deque<GroundHeights::Index> waiting;
-  // Whether there is anything in that cell; takes what is near enough to a height.
-  const auto take = [&](const GroundHeights::Index& cell, double from, double most) {
-    const std::vector<double> heights = surfaces(cell);
-    const auto nearest = std::ranges::min_element(
-        heights, {}, [&](double height) { return std::abs(height - from); });
-    if (nearest != heights.end() && std::abs(*nearest - from) <= most && !ground.at(cell)) {
-      ground.set(cell, *nearest);
-      waiting.push_back(cell);
-    }
-    return !heights.empty();
-  };
-  const auto reach = static_cast<int64_t>(std::ceil(1.0 / size_));
-  for (const FloorStep& step :
-       steps) {  // the ground right under the sensor is hidden by its carrier
-    const GroundHeights::Index under = ground.index_of(step.sensor.head<2>());
-    for (int64_t y = under[0] - reach; y <= under[0] + reach; ++y) {
-      for (int64_t x = under[1] - reach; x <= under[1] + reach; ++x) {
-        take({y, x}, step.floor, kUnderPath);
-      }
-    }
-  }
-  while (!waiting.empty()) {
-    const GroundHeights::Index at = waiting.front();
-    waiting.pop_front();
-    const double height = *ground.at(at);
-    for (int64_t dy = -1; dy <= 1; ++dy) {
-      for (int64_t dx = -1; dx <= 1; ++dx) {
-        const double distance =
-            size_ * std::hypot(static_cast<double>(dy), static_cast<double>(dx));
-        bool found = dx == 0 && dy == 0;
-        for (int64_t n = 1; !found && n <= kJump + 1; ++n) {
-          found = take({at[0] + n * dy, at[1] + n * dx}, height, kSteepest * distance + kLeastStep);
-        }
-      }
-    }
+  for (const auto& [cell, heights] : levels_from(steps)) {
+    ground.set(cell, heights.front());
   }
   return ground;
 }

@@ -17,6 +17,12 @@
 
 namespace adit {
 
+/// m, of a step from cell to cell besides the slope: kerbs, rails, and noise.
+inline constexpr double kGroundStep = 0.1;
+/// Cells without points that a step may cross. It may rise no more than to the next cell: what is
+/// hidden is no cliff.
+inline constexpr int64_t kGroundGap = 3;
+
 /// Heights of the ground in square cells.
 class GroundHeights {
  public:
@@ -37,6 +43,10 @@ class GroundHeights {
   std::map<Index, double> heights_;
 };
 
+/// The ground of all storeys: of each cell the heights (m), in the order in which they were
+/// reached.
+using GroundLevels = std::map<GroundHeights::Index, std::vector<double>>;
+
 /// Level surfaces as they come in, in cells.
 class GroundSearch {
  public:
@@ -46,17 +56,22 @@ class GroundSearch {
   /// Points on surfaces of 45 degrees or more to the horizontal count for nothing.
   void add(std::span<const PlanPoint> points);
 
-  /// Of each cell the height that is reached from the path by steps from cell to cell that loose
-  /// ground can have: 45 degrees. `steps`: with floors under them.
+  /// Of each cell the heights that are reached from the path by steps from cell to cell that loose
+  /// ground can have: 45 degrees. Heights of a cell are a storey apart. `steps`: with floors under
+  /// them.
+  GroundLevels levels_from(std::span<const FloorStep> steps) const;
+  /// The same with one height a cell, that which is reached first.
   GroundHeights reached_from(std::span<const FloorStep> steps) const;
+
+  double size() const { return size_; }
 
  private:
   struct Level {
     double sum = 0.0;
     double points = 0.0;
   };
-  /// The heights of a cell's surfaces, the lowest first.
-  std::vector<double> surfaces(const GroundHeights::Index& cell) const;
+  /// The heights of each cell's surfaces, the lowest first.
+  std::map<GroundHeights::Index, std::vector<double>> surfaces() const;
 
   double size_;
   std::map<std::array<int64_t, 3>, Level> levels_;  // row, column, level

@@ -9,13 +9,9 @@
 namespace adit {
 namespace {
 
-// The ground that a lidar sees: beams of -15 degrees reach it at four times the sensor's height.
-constexpr double kGroundReach = 8.0;      // m
 constexpr double kLevel = 0.9;            // of a normal's z: floors and ramps, no walls
 constexpr std::size_t kLeastGround = 20;  // points
-// Storeys are 2.2 m high at least: a room that people stand in, and the slab above it.
-constexpr double kLeastStorey = 2.2;
-constexpr double kLeastPath = 5.0;  // m, on a storey: more than a staircase's landing is long
+constexpr double kLeastPath = 5.0;        // m, on a storey: more than a staircase's landing is long
 constexpr double kSteady = 0.3;  // m, what the floor of a storey varies by around a place, 1 sigma
 constexpr double kStep = 0.1;    // m, between heights that are tried
 constexpr double kSquare = 1.0;  // m, in which a storey's floor has one height

@@ -20,6 +20,13 @@
 
 namespace adit {
 
+/// m: storeys are as high at least, a room that people stand in and the slab above it.
+inline constexpr double kLeastStorey = 2.2;
+
+/// m, the ground that a lidar sees: beams of -15 degrees reach it at four times the sensor's
+/// height.
+inline constexpr double kGroundReach = 8.0;
+
 /// A keyframe's place on the floor.
 struct FloorStep {
   SessionId session = 0;

@@ -151,6 +151,8 @@ void rain_on(RangeSweep& sweep, const CounterRandom& random) {
     if (random.uniform(counter(first + i, 11)) < 1.0 - repeatable_exp(-kDrops * way)) {
       back.range = std::max(0.5, way * random.uniform(counter(first + i, 10)));
       back.intensity *= kFaint;
+      back.object = 0;
+      back.surface = 0;
     } else if (random.uniform(counter(first + i, 9)) <
                1.0 - repeatable_exp(-kExtinction * back.range)) {
       back = {};

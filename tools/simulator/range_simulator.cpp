@@ -203,6 +203,12 @@ float RangeSimulator::radial_speed(const Pulse& pulse, const Vector3d& direction
   return static_cast<float>(speed);
 }
 
+uint8_t RangeSimulator::surface_of(const Target& target) {
+  constexpr double kLevel = 0.7071;  // cosine of 45 degrees
+  const auto material = static_cast<uint8_t>(static_cast<uint8_t>(target.hit.material) + 1U);
+  return target.hit.normal.z() > kLevel ? static_cast<uint8_t>(material | kLevelSurface) : material;
+}
+
 Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_world_lidar) const {
   const CounterRandom random(seed_, RandomStream::range);
   const uint64_t base = pulse.number * kLanes;
@@ -221,6 +227,7 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
     }
   }
   double range = target ? target->hit.distance : 0.0;
+  bool melted = false;
   if (effects_.mixed_pixels) {
     const Vector3d other_way =
         within_beam(direction, sensor_.divergence, random.uniform(base + kFootprint),
@@ -229,6 +236,7 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
     // Echoes nearer to each other than a pulse is long melt into one; of others the stronger
     // counts.
     constexpr double kPulseLength = 0.8;
+    constexpr double kOnSurface = 0.1;  // m, more than three sigma of any sensor's noise
     if (other && target && std::abs(other->hit.distance - range) < kPulseLength) {
       const double apart = other->hit.distance - range;
       // Footprints of one surface differ as well; only steps count.
@@ -236,6 +244,8 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
       const double smooth = 3.0 * sensor_.divergence * range / std::max(own, 0.05);
       if (std::abs(apart) > smooth) {
         range += random.uniform(base + kShare) * apart;
+        melted = std::min(std::abs(range - target->hit.distance),
+                          std::abs(range - other->hit.distance)) > kOnSurface;
       }
     } else if (other && (!target || strength(*other, other_way) > strength(*target, direction)) &&
                random.uniform(base + kShare) < 0.5) {
@@ -268,7 +278,8 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
           .doppler = sensor_.doppler ? radial_speed(pulse, direction, target->object,
                                                     origin + range * direction)
                                      : 0.0F,
-          .object = target->object};
+          .object = target->object,
+          .surface = melted ? uint8_t{0} : surface_of(*target)};
 }
 
 }  // namespace adit

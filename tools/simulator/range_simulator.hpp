@@ -27,7 +27,12 @@ struct Return {
   float intensity = 0.0F;  ///< in the sensor's own scale
   float doppler = 0.0F;    ///< m/s, how fast the range grows; of sensors that measure it
   uint16_t object = 0;     ///< 0: what stands still or dust; n: moving object n - 1 of the scene
+  /// 0: no surface is there, the echo is of dust or melted of two surfaces. Otherwise the material
+  /// plus 1, and kLevelSurface where it is level.
+  uint8_t surface = 0;
 };
+/// Flag of surfaces that face upwards within 45 degrees, world frame.
+inline constexpr uint8_t kLevelSurface = 128;
 
 /// The pulses of a sweep and what came back, one for one.
 struct RangeSweep {
@@ -89,6 +94,7 @@ class RangeSimulator {
   std::optional<Target> nearest_surface(const Eigen::Vector3d& origin,
                                         const Eigen::Vector3d& direction, double farthest,
                                         const Pulse& pulse) const;
+  static uint8_t surface_of(const Target& target);
   double strength(const Target& target, const Eigen::Vector3d& direction) const;
   /// How fast the range of something grows, m/s: of what stands still, or of moving object n - 1
   /// of the scene at a point of the world.

@@ -243,6 +243,7 @@ SimulationFiles::SimulationFiles(const std::filesystem::path& file)
       wheels(beside(file, ".truth.wheels.csv")),
       loops(beside(file, ".truth.loops.csv")),
       labels(beside(file, ".truth.labels")),
+      surfaces(beside(file, ".truth.surfaces")),
       changes(beside(file, ".truth.changes.json")),
       scene(beside(file, ".scene.ply")),
       picture(beside(file, ".scene.png")),
@@ -270,7 +271,8 @@ SimulationSummary simulate(const SimulationOptions& options,
       kClearance, checkpoint);
   const FaultMaker fault_maker(faults_of(options), options.duration, options.seed_of_noise());
   const SimulationFiles files(options.output);
-  std::optional<OutputFile> labels;
+  ReturnTruthWriter truth(files.surfaces,
+                          scene.moving.empty() ? std::nullopt : std::optional(files.labels));
   std::vector<LidarTrack> lidars;
   for (std::size_t i = 0; i < options.lidars.size(); ++i) {
     lidars.emplace_back(options, i, scene, trajectory, fault_maker);
@@ -294,9 +296,6 @@ SimulationSummary simulate(const SimulationOptions& options,
     check_option("--visual-odometry", [&] { require_wheel_rate(options.visual_odometry_rate); });
     tracks.odometry.emplace(options, trajectory, fault_maker);
   }
-  if (!scene.moving.empty()) {
-    labels.emplace(files.labels);
-  }
   SimulationRecorder recorder(options);
   write_mounts(options, recorder);
   const auto total = static_cast<std::size_t>(
@@ -306,7 +305,7 @@ SimulationSummary simulate(const SimulationOptions& options,
     const Nanoseconds end(sweeps.front().start + first.sensor().period);
     tracks.write_until(end, recorder, summary);
     for (std::size_t k = 0; k < lidars.size(); ++k) {
-      lidars[k].write(sweeps[k], i, end, recorder, labels, summary);
+      lidars[k].write(sweeps[k], i, end, recorder, truth, summary);
     }
     if (progress) {
       progress(i + 1, total);
@@ -317,9 +316,7 @@ SimulationSummary simulate(const SimulationOptions& options,
     cut_off(files.recording);
   }
   tracks.close();
-  if (labels) {
-    labels->close();
-  }
+  truth.close();
   if (options.change.share > 0.0) {
     write_changes(files.changes, options.change, movable, changed.changes);
   }

@@ -96,6 +96,7 @@ struct SimulationFiles {
   std::filesystem::path wheels;      ///< NAME.truth.wheels.csv, where there are wheels
   std::filesystem::path loops;       ///< NAME.truth.loops.csv: places that see the same
   std::filesystem::path labels;      ///< NAME.truth.labels, where something moves
+  std::filesystem::path surfaces;    ///< NAME.truth.surfaces: what each return is of
   std::filesystem::path changes;     ///< NAME.truth.changes.json, where objects have changed
   std::filesystem::path scene;       ///< NAME.scene.ply
   std::filesystem::path picture;     ///< NAME.scene.png

@@ -195,7 +195,7 @@ RangeSweep LidarTrack::sweep(std::size_t index, const Checkpoint& checkpoint) co
 }
 
 void LidarTrack::write(const RangeSweep& sweep, std::size_t index, Nanoseconds received,
-                       SimulationRecorder& recorder, std::optional<OutputFile>& labels,
+                       SimulationRecorder& recorder, ReturnTruthWriter& truth,
                        SimulationSummary& summary) const {
   if (seconds(received) < options_->begin || seconds(received) > options_->end) {
     return;
@@ -208,9 +208,7 @@ void LidarTrack::write(const RangeSweep& sweep, std::size_t index, Nanoseconds r
     summary.pulses += sweep.returns.size();
     summary.points += static_cast<std::size_t>(
         std::ranges::count_if(sweep.returns, [](const Return& back) { return back.range > 0.0; }));
-    if (labels) {
-      write_labels(*labels, sweep);
-    }
+    truth.write(sweep);
   }
 }
 

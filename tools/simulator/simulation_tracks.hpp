@@ -160,7 +160,7 @@ class LidarTrack {
   RangeSweep sweep(std::size_t index, const Checkpoint& checkpoint) const;
 
   void write(const RangeSweep& sweep, std::size_t index, Nanoseconds received,
-             SimulationRecorder& recorder, std::optional<OutputFile>& labels,
+             SimulationRecorder& recorder, ReturnTruthWriter& truth,
              SimulationSummary& summary) const;
 
  private:

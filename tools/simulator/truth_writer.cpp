@@ -104,14 +104,34 @@ void WheelTruthWriter::write(Nanoseconds epoch, const SimulatedWheels& wheels) {
   file_.write(line + "\n");
 }
 
-void write_labels(OutputFile& file, const RangeSweep& sweep) {
-  std::vector<char> bytes;
+ReturnTruthWriter::ReturnTruthWriter(const std::filesystem::path& surfaces,
+                                     const std::optional<std::filesystem::path>& labels)
+    : surfaces_(surfaces) {
+  if (labels) {
+    labels_.emplace(*labels);
+  }
+}
+
+void ReturnTruthWriter::write(const RangeSweep& sweep) {
+  std::vector<char> surfaces;
+  std::vector<char> labels;
   for (const Return& back : sweep.returns) {
     if (back.range != 0.0) {
-      append_bytes(bytes, back.object);
+      append_bytes(surfaces, back.surface);
+      append_bytes(labels, back.object);
     }
   }
-  file.write(bytes.data(), bytes.size());
+  surfaces_.write(surfaces.data(), surfaces.size());
+  if (labels_) {
+    labels_->write(labels.data(), labels.size());
+  }
+}
+
+void ReturnTruthWriter::close() {
+  surfaces_.close();
+  if (labels_) {
+    labels_->close();
+  }
 }
 
 void write_scene_ply(const std::filesystem::path& file, const Scene& scene) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "adit/tools/results/trajectory_io.hpp"
 #include "adit/tools/simulator/gnss_model.hpp"
@@ -57,10 +58,22 @@ class WheelTruthWriter {
   OutputFile file_;
 };
 
-/// Appends a little-endian uint16 for each point of the sweep's cloud that is a return, in the
-/// order of the firings: 0 for what stands still, n for moving object n - 1 of the scene. Throws
-/// OutputError.
-void write_labels(OutputFile& file, const RangeSweep& sweep);
+/// Writes what each return is of, in the order of the recording: the points of a sweep's cloud that
+/// are returns, in the order of the firings.
+class ReturnTruthWriter {
+ public:
+  /// `surfaces` gets Return::surface, a byte each. `labels`, where something moves, a little-endian
+  /// uint16: 0 for what stands still, n for moving object n - 1 of the scene. Throws OutputError.
+  ReturnTruthWriter(const std::filesystem::path& surfaces,
+                    const std::optional<std::filesystem::path>& labels);
+
+  void write(const RangeSweep& sweep);
+  void close();
+
+ private:
+  OutputFile surfaces_;
+  std::optional<OutputFile> labels_;
+};
 
 /// What stands still in a scene, and what moves where it is at first, as a binary PLY of coloured
 /// triangles. Throws OutputError.
