@@ -93,7 +93,7 @@ std::string tie_key(const FleetPlan& plan, const FleetIndex& index, const MapPai
   std::array hashes = {index.hashes.at(pair.first), index.hashes.at(pair.second)};
   std::ranges::sort(hashes);
   return text_hash(std::string(version()) + " " + hashes[0] + " " + hashes[1] +
-                   (plan.same_site ? " same site" : ""));
+                   (is_of_one_site(plan, index, pair) ? " same site" : ""));
 }
 
 /// Maps are open all at the same time, each with up to three files: as many as the system allows.
@@ -115,6 +115,10 @@ fs::path map_of(const FleetPlan& plan, const std::string& name) {
   return plan.folder / relative_map(name);
 }
 
+bool is_of_one_site(const FleetPlan& plan, const FleetIndex& index, const MapPair& pair) {
+  return plan.same_site || (index.on_earth.at(pair.first) && index.on_earth.at(pair.second));
+}
+
 fs::path tie_of(const FleetPlan& plan, const FleetIndex& index, const MapPair& pair) {
   return plan.folder / "ties" / (tie_key(plan, index, pair) + ".json");
 }
@@ -128,6 +132,7 @@ FleetIndex read_index(const FleetPlan& plan) {
     for (const Json& map : json.at("maps")) {
       index.maps.push_back(map.at("name").get<std::string>());
       index.hashes.push_back(map.at("hash").get<std::string>());
+      index.on_earth.push_back(map.at("on_earth").get<bool>());
     }
     for (const auto& [one, other] : index.pairs) {
       if (one >= other || other >= index.maps.size()) {
@@ -169,11 +174,10 @@ void index_maps(const FleetPlan& plan, const fs::path& into) {
 namespace {
 
 /// Of two maps, or why they could not be searched: that is no reason to have no map of the others.
-MapTie searched(const FleetPlan& plan, const std::array<fs::path, 2>& maps,
-                const DeviceOptions& device) {
+MapTie searched(const std::array<fs::path, 2>& maps, bool same_site, const DeviceOptions& device) {
   try {
     const TiedMaps tied =
-        tie_maps(open_merge_inputs({maps[0], maps[1]}), device, {.same_site = plan.same_site},
+        tie_maps(open_merge_inputs({maps[0], maps[1]}), device, {.same_site = same_site},
                  [](const MergeStep&) { return StopSignal::received() == 0; });
     return tie_between(tied.merged, 0, 1);
   } catch (const InputError& error) {
@@ -219,10 +223,9 @@ void search_pairs(const FleetPlan& plan, const Shard& shard, const DeviceOptions
     std::error_code error;
     if (!fs::exists(file, error)) {
       copies.keep_only({index.maps[pair.first], index.maps[pair.second]});
-      put_text(file, to_json(searched(plan,
-                                      {local_copy(plan, index.maps[pair.first], copies.folder()),
+      put_text(file, to_json(searched({local_copy(plan, index.maps[pair.first], copies.folder()),
                                        local_copy(plan, index.maps[pair.second], copies.folder())},
-                                      device)));
+                                      is_of_one_site(plan, index, pair), device)));
     }
     list += index.maps[pair.first] + " " + index.maps[pair.second] + "\t" +
             file.filename().string() + "\t" + whole_hash(file) + "\n";

@@ -18,12 +18,17 @@ namespace adit {
 struct FleetIndex {
   std::vector<std::string> maps{};    ///< names of recordings whose maps are there
   std::vector<std::string> hashes{};  ///< of the maps
+  std::vector<bool> on_earth{};       ///< where each lies is known
   std::vector<std::string> failed{};  ///< names of recordings without a map
   std::vector<MapPair> pairs{};       ///< by their numbers in `maps`
 };
 
 /// Throws InputError where the plan has none, or a damaged one.
 FleetIndex read_index(const FleetPlan& plan);
+
+/// Both are known to be of one site (MergeSettings::same_site): the fleet's file says so, or their
+/// places on the Earth, which lie near each other, leave no other one that looks alike.
+bool is_of_one_site(const FleetPlan& plan, const FleetIndex& index, const MapPair& pair);
 
 /// The name of a map's shard without what all have: that of its folder.
 std::string map_name(const Shard& shard);
