@@ -129,7 +129,16 @@ TEST_F(MapTies, ATieThatTheOthersContradictIsLeftOut) {
 
 TEST_F(MapTies, OneEdgeThatDoesNotFitIsRevoked) {
   std::vector<MapTie> ties = {tie(0, 1), tie(1, 2), tie(2, 3)};
-  ties[1].edges[2].T_from_to = ties[1].edges[2].T_from_to * test::step(8.0);
+  PoseEdge wrong = ties[1].edges.front();
+  wrong.information *= 0.01;  // with more it would be believed against the odometry
+  wrong.from = 5;
+  wrong.to = 0;
+  wrong.T_from_to = T_world(1, 5).inverse() * T_world(2, 0) * test::step(3.0);
+  ties[1].edges.push_back(wrong);
+  LoopCandidate record = ties[1].candidates.front();
+  record.from = wrong.from;
+  record.to = wrong.to;
+  ties[1].candidates.push_back(record);
   const JoinedMaps joined = join_maps(maps(), ties);
   EXPECT_TRUE(joined.contradicted.empty());
   EXPECT_EQ(std::ranges::count(joined.merged.graph.edges(), EdgeStatus::revoked, &PoseEdge::status),

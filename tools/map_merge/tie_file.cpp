@@ -127,17 +127,19 @@ std::string to_json(const MapTie& tie) {
 MapTie read_tie(const std::filesystem::path& file, std::size_t one, std::size_t other) {
   try {
     const Json json = Json::parse(read_text_file(file));
-    MapTie tie{
-        .one = one, .other = other, .not_searched = json.at("not_searched").get<std::string>()};
-    tie.search = {.in = {0},
-                  .map = 1,
-                  .candidates = json.at("candidates").get<std::size_t>(),
-                  .verified = json.at("verified").get<std::size_t>(),
-                  .accepted = json.at("accepted").get<std::size_t>(),
-                  .keyframes = json.at("keyframes").get<std::size_t>(),
-                  .log_odds = number_or_none(json.at("log_odds")),
-                  .built_alike_log_odds = number_or_none(json.at("built_alike_log_odds")),
-                  .is_tied = json.at("tied").get<bool>()};
+    MapTie tie;
+    tie.one = one;
+    tie.other = other;
+    tie.not_searched = json.at("not_searched").get<std::string>();
+    tie.search.in.push_back(0);
+    tie.search.map = 1;
+    tie.search.candidates = json.at("candidates").get<std::size_t>();
+    tie.search.verified = json.at("verified").get<std::size_t>();
+    tie.search.accepted = json.at("accepted").get<std::size_t>();
+    tie.search.keyframes = json.at("keyframes").get<std::size_t>();
+    tie.search.log_odds = number_or_none(json.at("log_odds"));
+    tie.search.built_alike_log_odds = number_or_none(json.at("built_alike_log_odds"));
+    tie.search.is_tied = json.at("tied").get<bool>();
     for (const Json& edge : json.at("edges")) {
       tie.edges.push_back(edge_of(edge));
     }

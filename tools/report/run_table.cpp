@@ -205,6 +205,7 @@ std::string brief_files_text(const RunDescription& run, const RunOutcome& outcom
   }
   if (outcome.high_rate) {
     add(HighRateFiles(run.output).tum);
+    text += " (" + describe(*outcome.high_rate) + ")";
     add(HighRateFiles(run.output).csv);
   }
   add(files.page);
