@@ -377,6 +377,13 @@ TEST(MapPlaces, OnlyMapsNearEachOtherArePairs) {
   const std::vector<MapPlaces> maps = {line(0.0), line(150.0), line(1000.0), {.keyframes = 5}};
   const std::vector<MapPair> expected = {{0, 1}, {0, 3}, {1, 3}, {2, 3}};
   EXPECT_EQ(pairs_to_search(maps), expected) << "one without a place may be anywhere";
+  MapPlaces seldom = line(0.0);
+  seldom.places.resize(2);
+  const std::vector<MapPlaces> gappy = {seldom, line(150.0)};
+  EXPECT_TRUE(pairs_to_search(gappy).empty());
+  seldom.gap = 180.0;
+  const std::vector<MapPlaces> widened = {seldom, line(150.0), line(1000.0)};
+  EXPECT_EQ(pairs_to_search(widened), (std::vector<MapPair>{{0, 1}}));
 }
 
 TEST(MapPlaces, FixesThatDoNotPlaceAMapSayWhereToLookForIt) {
@@ -400,6 +407,7 @@ TEST(MapPlaces, FixesThatDoNotPlaceAMapSayWhereToLookForIt) {
   EXPECT_EQ(places.keyframes, 4U);
   ASSERT_EQ(places.places.size(), 3U) << "one is known too roughly";
   EXPECT_NEAR(places.places[2].longitude, 9.002, 1e-9);
+  EXPECT_NEAR(places.gap, 10.0, 1e-9);
 }
 
 }  // namespace

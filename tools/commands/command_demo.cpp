@@ -104,10 +104,9 @@ std::string where_to_look(const SimulationFiles& files, const fs::path& folder) 
   return "look at  " + out + "/evaluation.html (how the run went, beside the truth)\n         " +
          out + "/map.html (the map, to fly through), " + out + "/map.svg (from above), " + out +
          "/map.ply (any point cloud viewer), " + files.picture.string() + " (the mine)\n" +
-         "loops    adit loops " +
-         RunFiles(folder).database.string() + "\n" + "again    adit run --from " +
-         RunFiles(folder).database.string() + " -o OUT\n         adit evaluate OUT " +
-         files.trajectory.string() + "\n" +
+         "loops    adit loops " + RunFiles(folder).database.string() + "\n" +
+         "again    adit run --from " + RunFiles(folder).database.string() +
+         " -o OUT\n         adit evaluate OUT " + files.trajectory.string() + "\n" +
          fmt::format("takes    {:.0f} MiB in {}, most of it the recording {}; it can be removed\n",
                      size_of(folder), out, files.recording.filename().string());
 }

@@ -265,7 +265,17 @@ void solve_fleet(const FleetPlan& plan, const fs::path& into) {
     session.from = relative_map(name_of_copy(session.from));
   }
   for (MapApart& map : outcome.apart) {
-    map.file = relative_map(name_of_copy(map.file));
+    const std::string name = name_of_copy(map.file);
+    map.file = relative_map(name);
+    for (std::size_t i = 0; i < ties.size() && !outcome.sessions.empty(); ++i) {
+      const std::string& one = index.maps[pair_of[i].first];
+      const std::string& other = index.maps[pair_of[i].second];
+      if (ties[i].search.is_tied && (name == one || name == other)) {
+        map.reason = "it is tied to " + (name == one ? other : one) +
+                     ", and nothing ties that to the map of all";
+        break;
+      }
+    }
   }
   const MergeCommandOptions options{.output = fs::path("site") / "map.adit"};
   std::string text = describe(options, outcome);

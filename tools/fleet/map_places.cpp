@@ -67,25 +67,33 @@ std::size_t near_ones(const Cells& one, const Cells& other) {
   return near;
 }
 
-/// No keyframe is farther from one with a fix, along the way, than kReach.
-bool cover(const std::map<NodeId, Geodetic>& fixes, const std::vector<MapKeyframe>& keyframes) {
-  double since = 0.0;  // m, from the last fix, or from the beginning
-  bool any = false;
-  for (std::size_t i = 0; i < keyframes.size(); ++i) {
-    if (i > 0) {
-      since += (keyframes[i].T_map_keyframe.translation() -
-                keyframes[i - 1].T_map_keyframe.translation())
-                   .norm();
-    }
-    if (since > (any ? 2.0 : 1.0) * kReach) {
-      return false;
-    }
-    if (fixes.contains(keyframes[i].id)) {
-      any = true;
-      since = 0.0;
-    }
+/// The longest way without a fix, from one to the next and before the first and behind the last.
+double longest_gap(const std::map<NodeId, Geodetic>& fixes,
+                   const std::vector<MapKeyframe>& keyframes) {
+  double longest = 0.0;
+  double since = 0.0;
+  for (std::size_t i = 1; i < keyframes.size(); ++i) {
+    since = fixes.contains(keyframes[i - 1].id) ? 0.0 : since;
+    since +=
+        (keyframes[i].T_map_keyframe.translation() - keyframes[i - 1].T_map_keyframe.translation())
+            .norm();
+    longest = std::max(longest, since);
   }
-  return any && since <= kReach;
+  return longest;
+}
+
+/// Whether a place of one map lies so near to one of the other (m).
+bool any_within(const MapPlaces& one, const MapPlaces& other, double distance) {
+  const WorldFrame frame(one.places.front());
+  std::vector<Eigen::Vector2d> of_other;
+  for (const Geodetic& place : other.places) {
+    of_other.emplace_back(frame.position_of(place).head<2>());
+  }
+  return std::ranges::any_of(one.places, [&](const Geodetic& place) {
+    const Eigen::Vector2d at = frame.position_of(place).head<2>();
+    return std::ranges::any_of(
+        of_other, [&](const Eigen::Vector2d& there) { return (there - at).norm() <= distance; });
+  });
 }
 
 }  // namespace
@@ -108,17 +116,17 @@ MapPlaces places_of(const MapDatabase& map) {
       fixes.emplace(fix.keyframe, fix.place);
     }
   }
-  if (cover(fixes, keyframes)) {
-    for (const auto& [keyframe, place] : fixes) {
-      places.places.push_back(place);
-    }
+  for (const auto& [keyframe, place] : fixes) {
+    places.places.push_back(place);
   }
+  places.gap = longest_gap(fixes, keyframes);
   return places;
 }
 
 std::string to_json(const MapPlaces& places) {
   Json json;
   json["keyframes"] = places.keyframes;
+  json["gap"] = places.gap;
   json["places"] = Json::array();
   for (const Geodetic& place : places.places) {
     json["places"].push_back({place.latitude, place.longitude, place.altitude});
@@ -129,7 +137,8 @@ std::string to_json(const MapPlaces& places) {
 MapPlaces read_places(const std::filesystem::path& file) {
   try {
     const Json json = Json::parse(read_text_file(file));
-    MapPlaces places{.keyframes = json.at("keyframes").get<std::size_t>()};
+    MapPlaces places{.keyframes = json.at("keyframes").get<std::size_t>(),
+                     .gap = json.at("gap").get<double>()};
     for (const Json& place : json.at("places")) {
       const auto numbers = place.get<std::array<double, 3>>();
       places.places.push_back(
@@ -148,9 +157,11 @@ std::vector<MapPair> pairs_to_search(std::span<const MapPlaces> maps) {
   std::vector<MapPair> pairs;
   for (std::size_t one = 0; one < maps.size(); ++one) {
     for (std::size_t other = one + 1; other < maps.size(); ++other) {
+      const double gaps = maps[one].gap + maps[other].gap;
       if (cells[one].empty() || cells[other].empty() ||
           std::max(near_ones(cells[one], cells[other]), near_ones(cells[other], cells[one])) >=
-              least) {
+              least ||
+          (gaps > kReach && any_within(maps[one], maps[other], kReach + gaps))) {
         pairs.emplace_back(one, other);
       }
     }
