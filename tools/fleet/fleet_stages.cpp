@@ -18,6 +18,7 @@
 #include "adit/tools/map_merge/merge_job.hpp"
 #include "adit/tools/map_merge/merge_report.hpp"
 #include "adit/tools/map_merge/tie_file.hpp"
+#include "adit/tools/support/commit.hpp"
 #include "adit/tools/support/fingerprint.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"
@@ -92,8 +93,8 @@ class Copies {
 std::string tie_key(const FleetPlan& plan, const FleetIndex& index, const MapPair& pair) {
   std::array hashes = {index.hashes.at(pair.first), index.hashes.at(pair.second)};
   std::ranges::sort(hashes);
-  return text_hash(std::string(version()) + " " + hashes[0] + " " + hashes[1] +
-                   (is_of_one_site(plan, index, pair) ? " same site" : ""));
+  return text_hash(std::string(version()) + " " + std::string(commit()) + " " + hashes[0] + " " +
+                   hashes[1] + (is_of_one_site(plan, index, pair) ? " same site" : ""));
 }
 
 /// Maps are open all at the same time, each with up to three files: as many as the system allows.

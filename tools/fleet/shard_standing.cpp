@@ -11,6 +11,7 @@
 
 #include "adit/tools/fleet/fleet_stages.hpp"
 #include "adit/tools/fleet/shard_ledger.hpp"
+#include "adit/tools/support/commit.hpp"
 #include "adit/tools/support/fingerprint.hpp"
 #include "adit/tools/support/version.hpp"
 
@@ -20,7 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string key_of(const FleetPlan& plan, const Shard& shard, const std::string& before) {
-  std::string made_of = fmt::format("{} {} {}", version(), shard.id, shard.input_hash) + before;
+  std::string made_of =
+      fmt::format("{} {} {} {}", version(), commit(), shard.id, shard.input_hash) + before;
   switch (shard.stage) {
     case FleetStage::map:
     case FleetStage::product:
