@@ -77,8 +77,17 @@ std::string as_rows(const std::string& text) {
   return rows;
 }
 
-std::string inertial_text(const RunStatistics& statistics) {
+/// How the IMU was used; in a brief report without what it was compared by.
+std::string inertial_text(const RunStatistics& statistics, bool brief) {
   std::string text = statistics.inertial().text();
+  if (brief) {
+    const std::size_t compared = text.find("; against the sweeps");
+    const std::size_t next =
+        compared == std::string::npos ? compared : text.find("; ", compared + 2);
+    return compared == std::string::npos
+               ? text
+               : text.substr(0, compared) + (next == std::string::npos ? "" : text.substr(next));
+  }
   const Distribution times = distribution(statistics.inertial_stage().ms);
   if (times.count > 0) {
     text += fmt::format("; preintegration and graph {:.2f} ms a sweep, {:.2f} at most", times.mean,
@@ -87,16 +96,11 @@ std::string inertial_text(const RunStatistics& statistics) {
   return text;
 }
 
-std::string map_text(const MapReport& map, double wall_s) {
-  const Distribution times = distribution(map.keyframe_ms);
-  std::string text = fmt::format("{} keyframes, {} edges, {} of them with their submaps aligned",
-                                 map.keyframes, map.edges, map.aligned_edges);
+/// What is wrong with a map, each behind a semicolon.
+std::string map_faults_text(const MapReport& map) {
+  std::string text;
   if (map.components > 1) {
     text += fmt::format("; {} parts that nothing ties together", map.components);
-  }
-  if (map.seen_through > 0) {
-    text += fmt::format("; {} of {} points were seen through: what they were of has moved",
-                        map.seen_through, map.points);
   }
   if (map.lost_points > 0) {
     text += fmt::format("; {} points too far from their keyframe", map.lost_points);
@@ -114,6 +118,18 @@ std::string map_text(const MapReport& map, double wall_s) {
         "up for",
         *map.outgrown);
   }
+  return text;
+}
+
+std::string map_text(const MapReport& map, double wall_s) {
+  const Distribution times = distribution(map.keyframe_ms);
+  std::string text = fmt::format("{} keyframes, {} edges, {} of them with their submaps aligned",
+                                 map.keyframes, map.edges, map.aligned_edges);
+  if (map.seen_through > 0) {
+    text += fmt::format("; {} of {} points were seen through: what they were of has moved",
+                        map.seen_through, map.points);
+  }
+  text += map_faults_text(map);
   text += fmt::format("; {:.1f} ms a keyframe, {:.1f} at most", times.mean, times.max);
   return text +
          fmt::format("; sweeps waited {:.1f} s for it, {:.0f} % of the run, one of them {:.2f} s",
@@ -175,11 +191,6 @@ double in_mebibytes(uint64_t bytes) {
 std::string limit_text(uint64_t bytes, const char* option) {
   return bytes == 0 ? std::string()
                     : fmt::format(" of {:.0f} MiB ({})", in_mebibytes(bytes), option);
-}
-
-/// What a text says before its first semicolon.
-std::string first_clause(const std::string& text) {
-  return text.substr(0, text.find("; "));
 }
 
 /// A word for a shell.
@@ -287,10 +298,10 @@ std::string map_rows(const RunOutcome& outcome, bool brief) {
   const MapReport& map = *outcome.result.map;
   std::string text;
   if (brief) {
-    text += fmt::format("map      {} keyframes, {} points{}\n", map.keyframes, map.points,
-                        map.components > 1
-                            ? fmt::format(", {} parts that nothing ties together", map.components)
-                            : std::string());
+    text += "map      " +
+            as_rows(fmt::format("{} keyframes, {} points", map.keyframes, map.points) +
+                    map_faults_text(map)) +
+            "\n";
   } else {
     text += "map      " + as_rows(map_text(map, outcome.wall_s)) + "\n";
   }
@@ -339,8 +350,7 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   }
   text += faults_text(outcome, statistics);
   if (statistics.inertial().any()) {
-    const std::string inertial = inertial_text(statistics);
-    text += "imu      " + (brief ? first_clause(inertial) : as_rows(inertial)) + "\n";
+    text += "imu      " + as_rows(inertial_text(statistics, brief)) + "\n";
   }
   text += map_rows(outcome, brief) + further_sensors_text(outcome, statistics);
   text += brief ? "" : means_text(run, outcome, statistics);
