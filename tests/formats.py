@@ -141,6 +141,7 @@ def check(adit, folder, page):
         return subprocess.run([adit, *words], cwd=folder, capture_output=True, text=True, timeout=300)
 
     (pathlib.Path(folder) / "two.toml").write_text(TWO_LIDARS)
+    (pathlib.Path(folder) / "fleet.toml").write_text('recordings = ["one.mcap", "two.mcap"]\n')
     for words in (SIMULATE, WHEELS, ["simulate", "two.toml", "-o", "two.mcap"], *SESSIONS):
         prepared = run(words)
         if prepared.returncode != 0:

@@ -61,13 +61,17 @@ class ShardLog {
     }
     return last;
   }
-  /// In the system's words.
-  bool tells_of_a_full_disk() const {
-    const std::string said = text();
-    return std::ranges::any_of(
-        std::array{std::generic_category().message(ENOSPC), std::generic_category().message(EDQUOT),
-                   std::string("disk is full")},
-        [&](const std::string& words) { return said.find(words) != std::string::npos; });
+  /// The line that tells of a full disk, in the system's words; empty: none does.
+  std::string line_of_a_full_disk() const {
+    for (const std::string& words :
+         {std::generic_category().message(ENOSPC), std::generic_category().message(EDQUOT),
+          std::string("disk is full")}) {
+      const std::string line = last_line(words);
+      if (!line.empty()) {
+        return line;
+      }
+    }
+    return {};
   }
 
  private:
@@ -112,8 +116,8 @@ class ShardRun {
       return again(program_->program.string() + " cannot be run in " +
                    plan_->fleet_folder.string() + " on this machine");
     }
-    if (log_.tells_of_a_full_disk()) {
-      return again("a disk is full: " + log_.last_line());
+    if (const std::string line = log_.line_of_a_full_disk(); !line.empty()) {
+      return again("a disk is full: " + line);
     }
     return outcome_.code == 0 ? take_result() : fail(log_.last_line());
   }
