@@ -133,7 +133,7 @@ TEST_F(ConsoleTest, FilesAndJsonAreNeverColored) {
   const std::string drive = test::small_recording(folder_.path(), 3).recording.string();
   const std::string out = (folder_ / "out").string();
   const Answer table = call({"run", drive.c_str(), "-o", out.c_str(), "--color", "always"});
-  EXPECT_NE(table.out.find("\nverdict  \x1b["), std::string::npos) << table.out;
+  EXPECT_TRUE(table.out.starts_with("verdict  \x1b[")) << table.out;
   const Answer json =
       call({"run", drive.c_str(), "-o", out.c_str(), "--color", "always", "--json", "--overwrite"});
   EXPECT_EQ(json.out.find(kEscape), std::string::npos) << json.out;
