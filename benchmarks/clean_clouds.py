@@ -7,13 +7,11 @@ Usage: clean_clouds.py ADIT -o FOLDER [--scenes NAME...] [--seeds N...]. Simulat
 return with its class. What FOLDER holds already of a scene and seed is not made again, but for the export.
 
 Truth of a return: its surface (NAME.truth.surfaces), and whether it is of something that moves (NAME.truth.labels). It
-is ground if its surface is level and of a material of the scene's ground; sills and roofs are told by their height. In
-the office the upright sides of steps are neither: they are not counted. One line a run: returns; the share that is
+is ground if its surface is level and of a material of the scene's ground; sills and roofs are excluded by their height.
+In the office the upright sides of steps are neither: they are not counted. One line a run: returns; the share that is
 ground; of this the share that has class 2; of those with class 2 the share that is ground, and the share that is
 farther than 0.2 m from all ground; noise that was found (classes 7, 18 or 64), what moves that was found, and what was
-lost of all others.
-
-Exit codes: 0 done, 1 a command failed, 2 usage.
+lost of all others. Exit codes: 0 done, 1 a command failed, 2 usage.
 """
 
 import argparse

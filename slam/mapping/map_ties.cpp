@@ -71,28 +71,24 @@ std::vector<Step> reached_from(std::size_t base, std::span<const MapTie> ties,
   }
 }
 
-/// Where the second map lies in the first one: of what each edge says, what the others are nearest
-/// to.
+/// Where the second map lies in the first one: what an edge says of it that has the keyframes of
+/// all edges nearest to where these have them.
 Isometry3d place_of_other(const MapTie& tie, const OwnMap& one, const OwnMap& other) {
-  constexpr double kArm = 30.0;  // m: a rotation counts as what it moves at a lidar's usual range
-  std::vector<Isometry3d> places;
-  for (const PoseEdge& edge : tie.edges) {
-    places.push_back(one.pose(edge.from) * edge.T_from_to * other.pose(edge.to).inverse());
-  }
-  std::size_t best = 0;
+  Isometry3d best = Isometry3d::Identity();
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (const PoseEdge& edge : tie.edges) {
+    const Isometry3d place = one.pose(edge.from) * edge.T_from_to * other.pose(edge.to).inverse();
     double sum = 0.0;
-    for (const Isometry3d& place : places) {
-      const Isometry3d apart = places[i].inverse() * place;
-      sum += apart.translation().norm() + kArm * rotation_angle(apart.linear());
+    for (const PoseEdge& check : tie.edges) {
+      const Isometry3d measured = one.pose(check.from) * check.T_from_to;
+      sum += (place * other.pose(check.to).translation() - measured.translation()).norm();
     }
     if (sum < least) {
       least = sum;
-      best = i;
+      best = place;
     }
   }
-  return orthonormalized(places.at(best));
+  return orthonormalized(best);
 }
 
 class Join {

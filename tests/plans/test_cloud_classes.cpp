@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/slam/submaps/submap_codec.hpp"
+#include "adit/tests/plans/mapped_house.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/commands/command_export.hpp"
@@ -34,12 +35,6 @@ constexpr double kStoreyHeight = 3.4;  // m
 constexpr int kSteps = 5;              // keyframes a storey
 
 /// A plane with this normal, as submaps keep it.
-uint32_t facing(const Vector3d& normal) {
-  constexpr uint32_t kUp = (1U << 30U) | (16383U << 15U) | 16383U;
-  return turned_surface(
-      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal).toRotationMatrix(), kUp);
-}
-
 struct ReadPoints {
   std::vector<double> heights{};  ///< m
   std::vector<int> classes{};
@@ -70,40 +65,20 @@ ReadPoints read_las_points(const fs::path& file) {
 class HouseCloud : public testing::Test {
  protected:
   HouseCloud() {
-    MapDatabase map(map_, MapAccess::write);
-    const SessionId session = map.add_session({.name = "house"});
-    Eigen::Isometry3d last = Eigen::Isometry3d::Identity();
-    for (NodeId id = 0; id < 2 * kSteps; ++id) {
-      const auto storey = static_cast<double>(id / kSteps);
-      const Vector3d sensor(1.0 + static_cast<double>(id % kSteps), 1.0, storey * kStoreyHeight);
-      KeyframeRecord record{
-          .keyframe = {.id = id,
-                       .session = session,
-                       .stamp = std::chrono::seconds(100 + id),
-                       .T_map_keyframe = Eigen::Isometry3d(Eigen::Translation3d(sensor))},
-          .submap = encode(seen_from(sensor, id))};
-      if (id > 0) {
-        record.edges.push_back({.from = id - 1,
-                                .to = id,
-                                .T_from_to = last.inverse() * record.keyframe.T_map_keyframe});
-      }
-      last = record.keyframe.T_map_keyframe;
-      map.store(record);
+    std::vector<Vector3d> sensors;
+    for (int step = 0; step < 2 * kSteps; ++step) {
+      sensors.emplace_back(1.0 + step % kSteps, 1.0, (step / kSteps) * kStoreyHeight);
     }
+    test::write_house(map_, sensors,
+                      [this](KeyframeSubmap& submap, const Vector3d& sensor, NodeId id) {
+                        draw(submap, sensor, id);
+                      });
   }
 
-  KeyframeSubmap seen_from(const Vector3d& sensor, NodeId id) {
-    KeyframeSubmap submap;
-    submap.r_submap = 0.1;
-    submap.vertical = Vertical::gravity;
-    submap.sweeps = {{.stamp = std::chrono::seconds(100 + id), .merged = true}};
+  void draw(KeyframeSubmap& submap, const Vector3d& sensor, NodeId id) {
     const double floor = sensor.z() - kSensorHeight;
-    const auto add = [&](const Vector3d& p, const Vector3d& normal) {
-      const Vector3d at = (p - sensor) * kSubmapSteps;
-      submap.points.push_back({.place = {static_cast<int32_t>(std::lround(at.x())),
-                                         static_cast<int32_t>(std::lround(at.y())),
-                                         static_cast<int32_t>(std::lround(at.z()))},
-                               .surface = facing(normal)});
+    const auto add = [&](const Vector3d& point, const Vector3d& normal) {
+      test::add_point(submap, sensor, point, normal);
     };
     for (double x = 0.05; x < 6.0; x += 0.1) {
       for (double y = 0.05; y < 4.0; y += 0.1) {
@@ -122,9 +97,7 @@ class HouseCloud : public testing::Test {
         add({2.0, 2.0, floor - 0.9}, Vector3d::UnitZ());
       }
     }
-    std::ranges::sort(submap.points, {}, &SubmapPoint::place);
     points_ += submap.points.size();
-    return submap;
   }
 
   Ran exported(ExportCommandOptions options, const char* name) const {
@@ -226,7 +199,7 @@ TEST(GroundPlanes, FollowASlopeAndIgnoreTheFootOfAWall) {
   EXPECT_TRUE(ground.is_below({2.0, 2.0, 0.4}));
   EXPECT_NEAR(*ground.height_above({-0.6, 2.0, -0.18}), 0.0, 0.02) << "three cells beyond";
   EXPECT_FALSE(ground.height_above({-1.3, 2.0, 0.0}));
-  EXPECT_TRUE(GroundPlanes({}, 0.25).empty());
+  EXPECT_FALSE(GroundPlanes({}, 0.25).height_above({0.0, 0.0, 0.0}));
 }
 
 TEST(SimulatedRoom, ItsFloorIsFound) {

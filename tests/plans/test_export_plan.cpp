@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/slam/submaps/submap_codec.hpp"
+#include "adit/tests/plans/mapped_house.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/commands/command_export.hpp"
@@ -30,12 +31,6 @@ constexpr double kSensor = 0.8;  // m above the floor
 constexpr double kStorey = 3.4;  // m
 
 /// A plane with this normal, as submaps keep it.
-uint32_t plane(const Vector3d& normal) {
-  constexpr uint32_t kUp = (1U << 30U) | (16383U << 15U) | 16383U;
-  return turned_surface(
-      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal).toRotationMatrix(), kUp);
-}
-
 struct Line {
   Vector2d from;
   Vector2d to;
@@ -67,42 +62,19 @@ std::vector<Line> walls_of(const std::string& dxf) {
 class PlanExport : public testing::Test {
  protected:
   PlanExport() {
-    MapDatabase map(map_, MapAccess::write);
-    const SessionId session = map.add_session({.name = "house"});
-    NodeId id = 0;
+    std::vector<Vector3d> sensors;
     for (int storey = 0; storey < 2; ++storey) {
-      for (int step = 0; step < 7; ++step, ++id) {
-        const Vector3d sensor(2.0 + step, 3.0, storey * kStorey);
-        KeyframeRecord record{
-            .keyframe = {.id = id,
-                         .session = session,
-                         .stamp = std::chrono::seconds(100 + id),
-                         .T_map_keyframe = Eigen::Isometry3d(Eigen::Translation3d(sensor))},
-            .submap = encode(seen_from(sensor, id))};
-        if (id > 0) {
-          record.edges.push_back({.from = id - 1,
-                                  .to = id,
-                                  .T_from_to = last_.inverse() * record.keyframe.T_map_keyframe});
-        }
-        last_ = record.keyframe.T_map_keyframe;
-        map.store(record);
+      for (int step = 0; step < 7; ++step) {
+        sensors.emplace_back(2.0 + step, 3.0, storey * kStorey);
       }
     }
+    test::write_house(map_, sensors, draw);
   }
 
-  KeyframeSubmap seen_from(const Vector3d& sensor, NodeId id) const {
-    KeyframeSubmap submap;
-    submap.r_submap = 0.1;
-    submap.vertical = Vertical::gravity;
-    submap.sweeps = {{.stamp = std::chrono::seconds(100 + id), .merged = true}};
+  static void draw(KeyframeSubmap& submap, const Vector3d& sensor, NodeId id) {
     const double floor = sensor.z() - kSensor;
-    const auto add = [&](const Vector3d& p, const Vector3d& normal, bool moved = false) {
-      const Vector3d at = (p - sensor) * kSubmapSteps;
-      submap.points.push_back({.place = {static_cast<int32_t>(std::lround(at.x())),
-                                         static_cast<int32_t>(std::lround(at.y())),
-                                         static_cast<int32_t>(std::lround(at.z()))},
-                               .surface = plane(normal),
-                               .seen_through = moved});
+    const auto add = [&](const Vector3d& point, const Vector3d& normal, bool moved = false) {
+      test::add_point(submap, sensor, point, normal, moved);
     };
     const double shift = 0.013 * static_cast<double>(id);
     for (double z = floor + 0.1; z < floor + 2.6; z += 0.06) {
@@ -122,8 +94,6 @@ class PlanExport : public testing::Test {
         add({x, y, floor + 2.7}, -Vector3d::UnitZ());
       }
     }
-    std::ranges::sort(submap.points, {}, &SubmapPoint::place);
-    return submap;
   }
 
   Ran exported(ExportCommandOptions options, const char* name) const {
@@ -140,7 +110,6 @@ class PlanExport : public testing::Test {
 
   test::TemporaryFolder folder_;
   fs::path map_ = folder_ / "map.adit";
-  Eigen::Isometry3d last_ = Eigen::Isometry3d::Identity();
 };
 
 void expect_room(const std::string& dxf) {

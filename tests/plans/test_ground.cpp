@@ -104,17 +104,19 @@ TEST(Ground, IsReachedFromThePathAndNoTable) {
   }
   search.add(points);
   const std::vector<FloorStep> steps(1, {.sensor = {-9.0, -9.0, 0.8}, .floor = 0.0});
-  const GroundHeights ground = search.reached_from(steps);
-  EXPECT_FALSE(ground.at(ground.index_of({6.0, 6.0})));
+  const GroundLevels ground = search.levels_from(steps);
+  const GroundHeights grid(0.25);
+  EXPECT_FALSE(ground.contains(grid.index_of({6.0, 6.0})));
   std::size_t known = 0;
-  for (const auto& [cell, height] : ground.cells()) {
-    const Vector2d p = ground.middle(cell);
-    EXPECT_NEAR(height, cone(p.x(), p.y()), 0.03);
+  for (const auto& [cell, heights] : ground) {
+    const Vector2d p = grid.middle(cell);
+    ASSERT_EQ(heights.size(), 1U);
+    EXPECT_NEAR(heights.front(), cone(p.x(), p.y()), 0.03);
     ++known;
   }
   EXPECT_GT(known, 6300U);  // of 6400, less those of the table
   EXPECT_LT(known, 6400U);
-  EXPECT_TRUE(search.reached_from({}).cells().empty());
+  EXPECT_TRUE(search.levels_from({}).empty());
 }
 
 TEST(Ground, SmoothingKeepsASlope) {

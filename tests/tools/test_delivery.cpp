@@ -62,8 +62,8 @@ TEST(DeliveryPreset, MistakesAreNamedWithTheirLine) {
                   "'README.md' is no name of a file"),
         std::pair("[[product]]\nfile = \"a\"\nexport = \"--dump\"\nabout = \"a|b\"",
                   "about is one line without '|'"),
-        std::pair("product = 3", "it has no [[product]]"),
-        std::pair("[products]", "'products' is unknown")}) {
+        std::pair("product = 3", "line 1: product is written [[product]]"),
+        std::pair("[products]", "a preset has no products: product")}) {
     EXPECT_NE(preset_refusal(text).find(part), std::string::npos) << text << preset_refusal(text);
   }
 }

@@ -3,6 +3,7 @@
 #include "adit/tools/export/delivery.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <set>
 #include <system_error>
@@ -20,7 +21,7 @@
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"
 #include "adit/tools/support/output_file.hpp"
-#include "adit/tools/support/toml.hpp"
+#include "adit/tools/support/toml_table.hpp"
 #include "adit/tools/support/version.hpp"
 
 namespace adit {
@@ -101,59 +102,37 @@ export = "--report"
 about = "The report: coordinates, coverage, accuracy, warnings. To read and to print."
 )";
 
-[[noreturn]] void refuse_preset(const fs::path& file, const toml::node& node,
-                                const std::string& found) {
-  throw InputError(file, Place::line(node.source().begin.line), found, kPresetRemedy);
-}
-
-std::string text_of(const toml::table& table, std::string_view key, const fs::path& file) {
-  const toml::node* const node = table.get(key);
-  if (node == nullptr) {
-    return {};
-  }
-  const auto text = node->value<std::string>();
-  if (!text) {
-    refuse_preset(file, *node, std::string(key) + " is no text");
-  }
-  return *text;
-}
-
-DeliveryProduct parse_product(const toml::table& table, const fs::path& file) {
-  for (const auto& [key, value] : table) {
-    const std::string_view name = key.str();
-    if (name != "file" && name != "export" && name != "about" && name != "needs") {
-      refuse_preset(file, value,
-                    "a product has no " + std::string(name) + ": file, export, about, needs");
-    }
-  }
-  DeliveryProduct product{.file = text_of(table, "file", file),
-                          .about = text_of(table, "about", file)};
+DeliveryProduct parse_product(const TomlTable& table) {
+  constexpr std::array<std::string_view, 4> kKeys = {"file", "export", "about", "needs"};
+  table.require_only(kKeys, "a product");
+  DeliveryProduct product{.file = table.text("file").value_or(""),
+                          .about = table.text("about").value_or("")};
   if (product.file.empty() || fs::path(product.file).filename() != product.file ||
       product.file == kRecordFile || product.file == kPageFile || product.file.starts_with('.')) {
-    refuse_preset(file, table, "'" + product.file + "' is no name of a file in the folder");
+    table.refuse("'" + product.file + "' is no name of a file in the folder");
   }
-  const std::string words = text_of(table, "export", file);
+  const std::string words = table.text("export").value_or("");
   for (const std::string_view word : split_words(words)) {
     product.options.emplace_back(word);
   }
   if (product.options.empty()) {
-    refuse_preset(file, table, product.file + " has no export");
+    table.refuse(product.file + " has no export");
   }
   for (const std::string& word : product.options) {
     if (word == "-o" || word == "--output" || word == "--help" || word == "-h" ||
         word.find('=') != std::string::npos) {
-      refuse_preset(file, table, "'" + word + "' cannot be in export");
+      table.refuse("'" + word + "' cannot be in export");
     }
   }
   if (product.about.find_first_of("|\n") != std::string::npos) {
-    refuse_preset(file, table, "about is one line without '|'");
+    table.refuse("about is one line without '|'");
   }
-  const std::string needs = text_of(table, "needs", file);
+  const std::string needs = table.text("needs").value_or("");
   product.needs_place = needs == "place";
   product.needs_recording = needs == "recording";
   product.optional = needs == "content";
   if (!needs.empty() && !product.needs_place && !product.needs_recording && !product.optional) {
-    refuse_preset(file, table, "needs is '" + needs + "': place, recording or content");
+    table.refuse("needs", "needs is '" + needs + "': place, recording or content");
   }
   return product;
 }
@@ -209,30 +188,16 @@ std::string_view default_delivery() {
 }
 
 std::vector<DeliveryProduct> parse_delivery(std::string_view text, const fs::path& file) {
-  toml::table preset;
-  try {
-    preset = toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    throw InputError(file, Place::line(error.source().begin.line),
-                     "it is no TOML: " + std::string(error.description()), kPresetRemedy);
-  }
-  for (const auto& [key, value] : preset) {
-    if (key.str() != "product") {
-      refuse_preset(file, value,
-                    "'" + std::string(key.str()) + "' is unknown; a preset has [[product]] alone");
-    }
-  }
-  const toml::array* const list = preset.get_as<toml::array>("product");
+  const TomlFile preset(text, file, kPresetRemedy);
+  const TomlTable table(preset);
+  constexpr std::array<std::string_view, 1> kKeys = {"product"};
+  table.require_only(kKeys, "a preset");
   std::vector<DeliveryProduct> products;
   std::set<std::string> names;
-  for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
-    const toml::table* const table = (*list)[i].as_table();
-    if (table == nullptr) {
-      refuse_preset(file, (*list)[i], "a product is a table, [[product]]");
-    }
-    products.push_back(parse_product(*table, file));
+  for (const TomlTable& one : table.tables("product")) {
+    products.push_back(parse_product(one));
     if (!names.insert(products.back().file).second) {
-      refuse_preset(file, *table, products.back().file + " stands twice");
+      one.refuse(products.back().file + " stands twice");
     }
   }
   if (products.empty()) {

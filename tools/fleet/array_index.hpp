@@ -7,7 +7,7 @@
 
 namespace adit {
 
-/// The number of this process in an array of jobs, as Slurm, AWS Batch or Kubernetes tells it.
+/// The number of this process in an array of jobs, which Slurm, AWS Batch or Kubernetes sets.
 std::optional<std::string> array_index();
 
 }  // namespace adit

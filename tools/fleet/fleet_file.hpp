@@ -24,10 +24,10 @@ struct FleetRecording {
 /// A fleet's file, read.
 struct Fleet {
   std::filesystem::path folder{};  ///< of the file: its paths count from there
-  std::vector<FleetRecording>
-      recordings{};             ///< in the order of the file, those of a pattern by name
-  bool same_site = false;       ///< MergeSettings::same_site
-  std::size_t pair_shards = 8;  ///< shards that search pairs of maps
+  /// In the order of the file, those of a pattern by name.
+  std::vector<FleetRecording> recordings{};
+  bool same_site = false;                   ///< MergeSettings::same_site
+  std::size_t pair_shards = 8;              ///< shards that search pairs of maps
   std::vector<DeliveryProduct> products{};  ///< of the map of all
   DeliveryPlace place{};                    ///< of the products
 };

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -43,30 +42,23 @@ std::string at(const Json& json, const char* pointer) {
                                    : value.dump();
 }
 
-/// Names of maps in a list of merge.json, with what it says there.
-std::map<std::string, std::string> named_in(const Json& merge, const char* list, const char* file,
-                                            const char* what) {
-  std::map<std::string, std::string> named;
-  if (!merge.is_object() || !merge.contains(list)) {
-    return named;
+/// What a list of merge.json says of a map, whose file is under `file` there; null: nothing.
+Json said_of(const Json& merge, const char* list, const char* file, const std::string& name) {
+  for (const Json& one : merge.is_object() ? merge.value(list, Json::array()) : Json::array()) {
+    if (fs::path(one.value(file, "")).parent_path().filename() == name) {
+      return one;
+    }
   }
-  for (const Json& one : merge.at(list)) {
-    const std::string name = fs::path(one.value(file, "")).parent_path().filename().string();
-    named[name] = one.contains(what) ? one.at(what).dump() : "";
-  }
-  return named;
+  return {};
 }
 
 std::string in_map(const Json& merge, const std::string& name) {
-  const auto sessions = named_in(merge, "sessions", "from", "id");
-  if (const auto session = sessions.find(name); session != sessions.end()) {
-    return "session " + session->second;
+  const Json session = said_of(merge, "sessions", "from", name);
+  if (!session.is_null()) {
+    return "session " + at(session, "/id");
   }
-  const auto apart = named_in(merge, "apart", "map", "reason");
-  const auto reason = apart.find(name);
-  return reason == apart.end()
-             ? "no"
-             : "no: " + Json::parse(reason->second, nullptr, false).get<std::string>();
+  const Json apart = said_of(merge, "apart", "map", name);
+  return apart.is_null() ? "no" : "no: " + at(apart, "/reason");
 }
 
 std::string recordings_table(const FleetPlan& plan, std::span<const ShardStanding> standings,

@@ -34,7 +34,7 @@ bool is_of_one_site(const FleetPlan& plan, const FleetIndex& index, const MapPai
 std::string map_name(const Shard& shard);
 /// Where a map lies, of a plan.
 std::filesystem::path map_of(const FleetPlan& plan, const std::string& name);
-/// Where the tie of a pair lies once it was searched: its name tells the contents of both maps.
+/// The file of a pair's tie. Its name is a hash of the contents of both maps.
 std::filesystem::path tie_of(const FleetPlan& plan, const FleetIndex& index, const MapPair& pair);
 
 /// Writes INTO/pairs.json.

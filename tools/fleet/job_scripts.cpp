@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "adit/tools/fleet/shard_run.hpp"
+#include "adit/tools/support/shell_word.hpp"
 
 namespace adit {
 namespace {
@@ -18,15 +19,6 @@ constexpr double kRoom = 1.5;           // memory beside what is expected
 constexpr double kTimeRoom = 4.0;       // a slower machine, a disk that others use
 constexpr double kLeastMinutes = 10.0;  // a first start compiles kernels
 constexpr std::size_t kMostTries = 4;   // of a shard that was not at fault
-
-/// In single quotes, for a shell.
-std::string quoted(const std::string& word) {
-  std::string text = "'";
-  for (const char letter : word) {
-    text += letter == '\'' ? "'\\''" : std::string(1, letter);
-  }
-  return text + "'";
-}
 
 struct StageNeeds {
   std::size_t shards = 0;
@@ -48,7 +40,7 @@ StageNeeds needs_of(const FleetPlan& plan, FleetStage stage) {
 }
 
 std::string shard_command(const FleetPlan& plan, const fs::path& program) {
-  return quoted(program.string()) + " shard " + quoted(plan.folder.string());
+  return shell_word(program.string()) + " shard " + shell_word(plan.folder.string());
 }
 
 }  // namespace
@@ -77,7 +69,8 @@ std::vector<JobScript> slurm_scripts(const FleetPlan& plan, const fs::path& prog
       "# stage begins when the one before has ended, and looks for itself whether all is there.\n"
       "# Hand it in again after a failure: what is done is kept.\n"
       "set -e\n";
-  submit += "mkdir -p " + quoted(logs) + "\ncd " + quoted(plan.folder.string()) + "\nafter=\n";
+  submit +=
+      "mkdir -p " + shell_word(logs) + "\ncd " + shell_word(plan.folder.string()) + "\nafter=\n";
   for (const FleetStage stage : kFleetStages) {
     const StageNeeds needs = needs_of(plan, stage);
     if (needs.shards == 0) {
@@ -90,7 +83,7 @@ std::vector<JobScript> slurm_scripts(const FleetPlan& plan, const fs::path& prog
         "echo \"{0}: job $job\"\n"
         "after=\"--dependency=afterany:${{job%%;*}}\"\n",
         to_string(stage), needs.shards - 1, limit, settings.cores, needs.megabytes, needs.minutes,
-        quoted(logs + "/%x-%a.out"), settings.extra.empty() ? "" : " " + settings.extra);
+        shell_word(logs + "/%x-%a.out"), settings.extra.empty() ? "" : " " + settings.extra);
   }
   return {{.name = "shard.sbatch", .text = job}, {.name = "submit.sh", .text = submit}};
 }

@@ -58,8 +58,7 @@ void note_in(std::vector<ShardStart>& starts, std::string_view line) {
     const std::string event = json.value("event", "");
     const ShardStart one{.key = json.value("key", ""),
                          .host = json.value("host", ""),
-                         .process = json.value("process", int64_t{0}),
-                         .time = json.value("time", int64_t{0})};
+                         .process = json.value("process", int64_t{0})};
     if (event == "start") {
       starts.push_back(one);
     }
@@ -85,7 +84,6 @@ std::optional<ShardResult> ShardLedger::read(const char* folder, const std::stri
                        .hash = json.value("hash", ""),
                        .reason = json.value("reason", ""),
                        .host = json.value("host", ""),
-                       .code = json.value("code", 0),
                        .seconds = json.value("seconds", 0.0),
                        .processor_seconds = json.value("processor_seconds", 0.0),
                        .peak_memory = json.value("peak_memory", uint64_t{0})};
@@ -101,7 +99,6 @@ void ShardLedger::write(const char* folder, const std::string& shard,
   json["hash"] = result.hash;
   json["reason"] = result.reason;
   json["host"] = result.host;
-  json["code"] = result.code;
   json["seconds"] = result.seconds;
   json["processor_seconds"] = result.processor_seconds;
   json["peak_memory"] = result.peak_memory;
@@ -170,7 +167,7 @@ void ShardLedger::note(const std::string& shard, const std::string& key, const c
   json["key"] = key;
   json["host"] = host_name();
   json["process"] = getpid();
-  json["time"] = now();
+  json["time"] = now();  // for people
   append_line(folder_ / kStarts / (shard + ".jsonl"), json.dump() + "\n");
 }
 

@@ -21,7 +21,6 @@ struct ShardResult {
   std::string hash{};  ///< of what later stages read of it; of a failure empty
   std::string reason{};  ///< of a failure, one line; of a product, why it was left out
   std::string host{};    ///< the machine
-  int code = 0;          ///< of the command
   double seconds = 0.0;  ///< by the clock
   double processor_seconds = 0.0;
   uint64_t peak_memory = 0;  ///< bytes
@@ -32,7 +31,6 @@ struct ShardStart {
   std::string key{};
   std::string host{};
   int64_t process = 0;
-  int64_t time = 0;    ///< s since 1970 (UTC)
   bool ended = false;  ///< it came to its end, whatever that was, or is forgiven
 };
 

@@ -61,7 +61,7 @@ class ShardLog {
     }
     return last;
   }
-  /// The line that tells of a full disk, in the system's words; empty: none does.
+  /// The line that reports a full disk; empty if there is none.
   std::string line_of_a_full_disk() const {
     for (const std::string& words :
          {std::generic_category().message(ENOSPC), std::generic_category().message(EDQUOT),
@@ -97,12 +97,18 @@ class ShardRun {
 
   int run() {
     const StopSignal stop;
-    ledger_.note_start(shard_->id, key_);
     const bool is_run = shard_->stage == FleetStage::map;
-    outcome_ = run_child({.program = program_->program,
-                          .words = words(),
-                          .folder = is_run ? plan_->fleet_folder : plan_->folder,
-                          .log = log_.file()});
+    const ChildProcess child = {.program = program_->program,
+                                .words = words(),
+                                .folder = is_run ? plan_->fleet_folder : plan_->folder,
+                                .log = log_.file()};
+    ledger_.note_start(shard_->id, key_);
+    try {
+      outcome_ = run_child(child);
+    } catch (const OutputError&) {
+      ledger_.note_end(shard_->id, key_);
+      throw;
+    }
     if (StopSignal::received() != 0) {
       ledger_.note_end(shard_->id, key_);
       *err_ << "adit shard: " << shard_->id << " was stopped\n";
@@ -161,18 +167,24 @@ class ShardRun {
             .hash = hash,
             .reason = reason,
             .host = host_name(),
-            .code = outcome_.code,
             .seconds = outcome_.seconds,
             .processor_seconds = outcome_.processor_seconds,
             .peak_memory = outcome_.peak_memory};
   }
 
+  /// Another machine may have run it, and somebody may have planned anew, in the meantime.
+  ShardStanding standing_now() const {
+    try {
+      const FleetPlan plan = read_plan(plan_->folder);
+      const auto shard = std::ranges::find(plan.shards, shard_->id, &Shard::id);
+      return shard == plan.shards.end() ? ShardStanding{} : standing_of(plan, *shard);
+    } catch (const InputError&) {
+      return {};  // it is being written
+    }
+  }
+
   int take_result() const {
-    // Another machine may have run it, and somebody may have planned anew, in the meantime.
-    const FleetPlan plan = read_plan(plan_->folder);
-    const auto shard = std::ranges::find(plan.shards, shard_->id, &Shard::id);
-    const ShardStanding now =
-        shard == plan.shards.end() ? ShardStanding{} : standing_of(plan, *shard);
+    const ShardStanding now = standing_now();
     if (now.key != key_) {
       return again("what it is made of has changed meanwhile");
     }

@@ -33,8 +33,9 @@ struct CloudPoint {
   /// Ground or noise, as far as it is looked for.
   LasClass classification = LasClass::unclassified;
 };
+/// Low or high noise.
 bool is_noise(LasClass one);
-/// With `moving`.
+/// Its classification; what moves is of the class `moving`.
 LasClass class_of(const CloudPoint& point);
 using TakeCloud = std::function<void(std::span<const CloudPoint>)>;
 

@@ -77,7 +77,7 @@ std::vector<VoxelIndex> voxels_of(const Voxels& voxels, const NoiseTile& tile) {
   return inside;
 }
 
-/// A voxel that is alone, and the empty ones beside it.
+/// Adds a voxel without neighbours, and the empty voxels around it.
 void add_alone(NoiseSpace& noise, const Voxels& voxels, const VoxelIndex& voxel) {
   for (int64_t x = -1; x <= 1; ++x) {
     for (int64_t y = -1; y <= 1; ++y) {

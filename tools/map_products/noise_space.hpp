@@ -24,7 +24,6 @@ class NoiseSpace {
   bool contains(const Eigen::Vector3d& point) const {
     return voxels_.contains(key_of(voxel_of(point, edge_)));
   }
-  double edge() const { return edge_; }  ///< of a voxel, m
 
  private:
   double edge_;

@@ -26,7 +26,7 @@ constexpr int kFits = 5;
 /// Height and slopes of a plane through places by least squares, in which those above it have less
 /// weight the higher they are (Kraus and Pfeifer 1998, whose weights these are).
 Eigen::Vector3d lowest_plane(const std::vector<Eigen::Vector3d>& places) {
-  // What keeps a plane level where there are no cells beside it.
+  // Keeps the plane level where it has no neighbouring cells.
   constexpr double kLevel = 1e-3;
   Eigen::Vector3d plane = Eigen::Vector3d::Zero();
   for (int fit = 0; fit < kFits; ++fit) {

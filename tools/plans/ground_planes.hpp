@@ -31,8 +31,6 @@ class GroundPlanes {
   /// Below the ground of all storeys.
   bool is_below(const Eigen::Vector3d& point) const;
 
-  bool empty() const { return planes_.empty(); }
-
  private:
   struct Plane {
     float height = 0.0F;  ///< m, in the middle of its cell

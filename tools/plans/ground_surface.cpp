@@ -54,7 +54,7 @@ class Flood {
     }
   }
 
-  /// Whether ground that is the step's floor was reached beside it.
+  /// Whether the ground near the step, at the height of its floor, was reached.
   bool has_ground_at(const FloorStep& step) const {
     return visit_around(step, kBesidePath, [&](const GroundHeights::Index& cell) {
       const auto known = ground_.find(cell);
@@ -184,14 +184,6 @@ GroundLevels GroundSearch::levels_from(std::span<const FloorStep> steps) const {
   }
   flood.run();
   return flood.ground();
-}
-
-GroundHeights GroundSearch::reached_from(std::span<const FloorStep> steps) const {
-  GroundHeights ground(size_);
-  for (const auto& [cell, heights] : levels_from(steps)) {
-    ground.set(cell, heights.front());
-  }
-  return ground;
 }
 
 GroundHeights smoothed(const GroundHeights& ground) {

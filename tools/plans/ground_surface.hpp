@@ -60,10 +60,6 @@ class GroundSearch {
   /// ground can have: 45 degrees. Heights of a cell are a storey apart. `steps`: with floors under
   /// them.
   GroundLevels levels_from(std::span<const FloorStep> steps) const;
-  /// The same with one height a cell, that which is reached first.
-  GroundHeights reached_from(std::span<const FloorStep> steps) const;
-
-  double size() const { return size_; }
 
  private:
   struct Level {

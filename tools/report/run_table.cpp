@@ -14,6 +14,7 @@
 #include "adit/tools/report/verdict_text.hpp"
 #include "adit/tools/setup/device_session.hpp"
 #include "adit/tools/support/progress.hpp"
+#include "adit/tools/support/shell_word.hpp"
 
 namespace adit {
 namespace {
@@ -193,12 +194,6 @@ std::string limit_text(uint64_t bytes, const char* option) {
                     : fmt::format(" of {:.0f} MiB ({})", in_mebibytes(bytes), option);
 }
 
-/// A word for a shell.
-std::string quoted(const std::string& word) {
-  const bool is_plain = word.find_first_of(" '\"$&;()<>|*?[]~`\\") == std::string::npos;
-  return is_plain ? word : "'" + word + "'";
-}
-
 /// The files in one line, and what to do next.
 std::string brief_files_text(const RunDescription& run, const RunOutcome& outcome) {
   const RunFiles files(run.output);
@@ -221,7 +216,7 @@ std::string brief_files_text(const RunDescription& run, const RunOutcome& outcom
   }
   add(files.page);
   add(files.summary);
-  return text + "\nnext     adit view " + quoted(run.output.string()) + "\n";
+  return text + "\nnext     adit view " + shell_word(run.output.string()) + "\n";
 }
 
 std::string files_text(const RunDescription& run, const RunOutcome& outcome) {

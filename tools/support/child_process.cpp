@@ -63,7 +63,8 @@ ChildOutcome run_child(const ChildProcess& child) {
   pointers.push_back(nullptr);
   const auto begin = std::chrono::steady_clock::now();
   const pid_t parent = getpid();
-  std::signal(SIGCHLD, SIG_DFL);  // a parent may have left it ignored: then no end is told
+  std::signal(SIGCHLD,
+              SIG_DFL);  // if a parent ignored it, wait4() would not return the exit status
   const pid_t process = fork();
   if (process == 0) {
     become(child.program.c_str(), pointers.data(), child.folder.c_str(), log, parent);
