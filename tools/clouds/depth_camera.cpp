@@ -7,54 +7,16 @@
 #include <limits>
 
 namespace adit {
-namespace {
-
-using Ray = Eigen::Vector2d;  // x/z, y/z
-
-/// Where the lens shows what lies along the ray.
-Ray distorted(const Ray& ray, const std::array<double, 8>& d) {
-  const double r2 = ray.squaredNorm();
-  const double radial =
-      (1.0 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]))) / (1.0 + r2 * (d[5] + r2 * (d[6] + r2 * d[7])));
-  const double xy = ray.x() * ray.y();
-  return {ray.x() * radial + 2.0 * d[2] * xy + d[3] * (r2 + 2.0 * ray.x() * ray.x()),
-          ray.y() * radial + d[2] * (r2 + 2.0 * ray.y() * ray.y()) + 2.0 * d[3] * xy};
-}
-
-/// The ray that the lens shows there, by fixed-point iteration; NaN where there is none.
-Ray undistorted(const Ray& seen, const std::array<double, 8>& d) {
-  constexpr int kMostSteps = 50;
-  constexpr double kSmall = 1e-9;
-  Ray ray = seen;
-  double last = std::numeric_limits<double>::infinity();
-  for (int step = 0; step < kMostSteps; ++step) {
-    const Ray error = seen - distorted(ray, d);
-    const double size = error.norm();
-    if (size < kSmall) {
-      return ray;
-    }
-    if (!(size < last)) {
-      break;  // beyond what the lens shows
-    }
-    last = size;
-    ray += error;
-  }
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  return {kNone, kNone};
-}
-
-}  // namespace
-
 DepthCamera::DepthCamera(const CameraModel& model) : model_(model) {
-  const bool distorts =
-      std::ranges::any_of(model.distortion, [](double number) { return number != 0.0; });
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  const CameraProjection projection(model);
   rays_.reserve(model.width * model.height);
   for (std::size_t v = 0; v < model.height; ++v) {
     for (std::size_t u = 0; u < model.width; ++u) {
-      const Ray seen((static_cast<double>(u) - model.cx) / model.fx,
-                     (static_cast<double>(v) - model.cy) / model.fy);
-      const Ray ray = distorts ? undistorted(seen, model.distortion) : seen;
-      rays_.push_back({static_cast<float>(ray.x()), static_cast<float>(ray.y())});
+      const auto ray = projection.ray({static_cast<double>(u), static_cast<double>(v)});
+      rays_.push_back(ray ? std::array{static_cast<float>(ray->x() / ray->z()),
+                                       static_cast<float>(ray->y() / ray->z())}
+                          : std::array{kNone, kNone});
     }
   }
 }

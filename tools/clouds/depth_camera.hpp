@@ -9,21 +9,10 @@
 #include <span>
 #include <vector>
 
+#include "adit/slam/core/camera_model.hpp"
 #include "adit/slam/core/types.hpp"
 
 namespace adit {
-
-/// A camera's calibration, as OpenCV and ROS define it.
-struct CameraModel {
-  std::size_t width = 0;   ///< pixels
-  std::size_t height = 0;  ///< pixels
-  double fx = 0.0;         ///< pixels
-  double fy = 0.0;         ///< pixels
-  double cx = 0.0;         ///< pixels
-  double cy = 0.0;         ///< pixels
-  /// k1 k2 p1 p2 k3 (plumb_bob) and k4 k5 k6 (rational_polynomial); zeros: no distortion.
-  std::array<double, 8> distortion{};
-};
 
 /// The rays of a camera's pixels, worked out once.
 class DepthCamera {
