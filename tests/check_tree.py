@@ -28,7 +28,7 @@ LINK = re.compile(r"\]\(([^)#\s]+)(#[^)\s]*)?\)")
 GROUPS = [
     "shaders", "engine", "engine/kernels", "engine/self_test",
     "slam/core", "slam/inertial", "slam/registration", "slam/fusion", "slam/odometry", "slam/graph",
-    "slam/submaps", "slam/gnss", "slam/loops", "slam/mapping", "slam/executor",
+    "slam/submaps", "slam/coloring", "slam/gnss", "slam/loops", "slam/mapping", "slam/executor",
     "tools/support", "tools/drawing", "tools/clouds", "tools/containers", "tools/packets", "tools/recordings",
     "tools/topics", "tools/results", "tools/simulator", "tools/map_database", "tools/map_products", "tools/plans",
     "tools/map_edits",

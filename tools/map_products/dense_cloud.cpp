@@ -46,6 +46,15 @@ std::optional<SensorPath::Stretch> SensorPath::from(Nanoseconds stamp) const {
   return stretch;
 }
 
+std::optional<Eigen::Isometry3d> SensorPath::at(Nanoseconds time) const {
+  const auto after = std::ranges::upper_bound(poses_, time, {}, &StampedPose::stamp);
+  if (after == poses_.begin() || time - std::prev(after)->stamp > kLongestStep) {
+    return std::nullopt;
+  }
+  const Nanoseconds before = std::prev(after)->stamp;
+  return from(before)->at(seconds(time - before));
+}
+
 std::vector<CloudPoint> placed_points(const Sweep& sweep, const SensorPath::Stretch& path) {
   std::vector<CloudPoint> placed;
   placed.reserve(sweep.points.size());

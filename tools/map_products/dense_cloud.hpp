@@ -34,6 +34,10 @@ class SensorPath {
   /// 0.5 s, moves on as before it. None where no pose has this stamp.
   std::optional<Stretch> from(Nanoseconds stamp) const;
 
+  /// T_map_lidar at any time, by the pose before it. None before the first pose, or more than 0.5 s
+  /// after a pose.
+  std::optional<Eigen::Isometry3d> at(Nanoseconds time) const;
+
  private:
   std::vector<StampedPose> poses_;  // in order
 };

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/coloring/view_surfaces.hpp"
+
+#include <cmath>
+#include <unordered_set>
+
+#include "adit/slam/submaps/moved_space.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
+
+namespace adit {
+namespace {
+
+constexpr double kTile = 32.0;                         // m: a view looks at a few
+constexpr uint64_t kMostBytes = uint64_t{128} << 20U;  // of surfaces that stay
+
+double spacing_of(const MapDatabase& map, SubmapCache& submaps) {
+  const std::vector<MapKeyframe> keyframes = map.keyframes();
+  return keyframes.empty() ? 1.0 : load_submap(submaps, keyframes.front().id, map.file())->r_submap;
+}
+
+}  // namespace
+
+ViewSurfaces::ViewSurfaces(const MapDatabase& map, const ViewColoring& coloring,
+                           uint64_t submap_bytes)
+    : map_(&map), coloring_(&coloring), submaps_(submap_loader(map), submap_bytes) {
+  grid_.cell = spacing_of(map, submaps_);
+  grid_.across = static_cast<int64_t>(std::ceil(kTile / grid_.cell));
+  keyframes_ = keyframes_by_tile(map, {}, {}, grid_);
+}
+
+std::vector<std::shared_ptr<const ViewColoring::Surfaces>> ViewSurfaces::near(
+    const Eigen::Vector3d& place, double reach) {
+  std::vector<std::shared_ptr<const ViewColoring::Surfaces>> all;
+  const Eigen::Vector2d around(reach, reach);
+  visit_tiles(grid_, {place.head<2>() - around, place.head<2>() + around},
+              [&](const TileNumber& number) {
+                if (auto one = tile(number)) {
+                  all.push_back(std::move(one));
+                }
+              });
+  return all;
+}
+
+std::shared_ptr<const ViewColoring::Surfaces> ViewSurfaces::tile(const TileNumber& number) {
+  if (!keyframes_.contains(number)) {
+    return nullptr;
+  }
+  if (const auto place = places_.find(number); place != places_.end()) {
+    kept_.splice(kept_.begin(), kept_, place->second);
+    return kept_.front().surfaces;
+  }
+  kept_.push_front({.number = number, .surfaces = make(number)});
+  places_[number] = kept_.begin();
+  const auto bytes = [](const Kept& kept) {
+    return kept.surfaces ? kept.surfaces->elements.size() : 0;
+  };
+  kept_bytes_ += bytes(kept_.front());
+  while (kept_bytes_ > kMostBytes && kept_.size() > 1) {
+    kept_bytes_ -= bytes(kept_.back());
+    places_.erase(kept_.back().number);
+    kept_.pop_back();
+  }
+  return kept_.front().surfaces;
+}
+
+std::shared_ptr<const ViewColoring::Surfaces> ViewSurfaces::make(const TileNumber& number) {
+  const double across = grid_.cell * static_cast<double>(grid_.across);
+  const Eigen::Vector3d origin((static_cast<double>(number.x) + 0.5) * across,
+                               (static_cast<double>(number.y) + 0.5) * across, 0.0);
+  std::vector<gpu::ViewSurface> elements;
+  std::unordered_set<uint64_t> taken;
+  for (const MapKeyframe& keyframe : keyframes_.at(number)) {
+    const auto submap = load_submap(submaps_, keyframe.id, map_->file());
+    for (const SubmapPoint& point : submap->points) {
+      const Eigen::Vector3d p = keyframe.T_map_keyframe * point.position();
+      if (point.seen_through || grid_.tile_of(p.head<2>()) != number ||
+          !taken.insert(key_of(voxel_of(p, grid_.cell))).second) {
+        continue;
+      }
+      const Eigen::Vector3f local = (p - origin).cast<float>();
+      elements.push_back(
+          {.p = {local.x(), local.y(), local.z()},
+           .surface = turned_surface(keyframe.T_map_keyframe.linear(), point.surface)});
+    }
+  }
+  return elements.empty() ? nullptr : coloring_->make_surfaces(origin, elements);
+}
+
+}  // namespace adit

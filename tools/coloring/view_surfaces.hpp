@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "adit/slam/coloring/view_coloring.hpp"
+#include "adit/slam/submaps/submap_cache.hpp"
+#include "adit/tools/map_database/map_database.hpp"
+#include "adit/tools/map_products/map_tiles.hpp"
+
+namespace adit {
+
+/// The surfaces of a map on the device, tile by tile: one a voxel of the submaps' spacing. Those
+/// that were needed last stay.
+class ViewSurfaces {
+ public:
+  /// `submap_bytes` of decoded submaps stay in memory. Throws InputError where the map is damaged.
+  ViewSurfaces(const MapDatabase& map, const ViewColoring& coloring, uint64_t submap_bytes);
+
+  /// m, between neighbouring surfaces.
+  double spacing() const { return grid_.cell; }
+
+  /// Those of all tiles within `reach` (m) of a place, map frame, m.
+  std::vector<std::shared_ptr<const ViewColoring::Surfaces>> near(const Eigen::Vector3d& place,
+                                                                  double reach);
+
+ private:
+  /// Null: nothing is in the tile.
+  std::shared_ptr<const ViewColoring::Surfaces> tile(const TileNumber& number);
+  std::shared_ptr<const ViewColoring::Surfaces> make(const TileNumber& number);
+
+  struct Kept {
+    TileNumber number;
+    std::shared_ptr<const ViewColoring::Surfaces> surfaces;
+  };
+
+  const MapDatabase* map_;
+  const ViewColoring* coloring_;
+  SubmapCache submaps_;
+  TileGrid grid_;
+  std::map<TileNumber, std::vector<MapKeyframe>> keyframes_;
+  std::list<Kept> kept_;  ///< the one that was needed last in front
+  std::map<TileNumber, std::list<Kept>::iterator> places_;
+  uint64_t kept_bytes_ = 0;
+};
+
+}  // namespace adit
