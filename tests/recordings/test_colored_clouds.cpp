@@ -8,6 +8,7 @@
 #include <fstream>
 #include <functional>
 #include <random>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 
 #include "adit/tests/support/point_files.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/clouds/copc_octree.hpp"
 #include "adit/tools/clouds/copc_writer.hpp"
 #include "adit/tools/clouds/las_reader.hpp"
 #include "adit/tools/clouds/las_writer.hpp"
@@ -191,6 +193,35 @@ TEST(CopcWriter, ColorsStayWithTheirPoints) {
   EXPECT_EQ(cloud.sweep.points.size(), points.size());
 }
 
+// Of large clouds, whose points are sorted by parts first.
+TEST(CopcOctree, ColoredPointsStayWholeInAllParts) {
+  const test::TemporaryFolder folder;
+  const LasHeading heading{.colored = true};
+  LasExtent extent;
+  std::string bytes;
+  const std::vector<LasPoint> points = points_with(20'000, rainbow);
+  for (const LasPoint& point : points) {
+    append_las_point(bytes, extent, point, heading, "cloud.copc.laz");
+  }
+  ScratchFile scratch(folder / "points");
+  scratch.append(bytes);
+  std::multiset<std::string> expected;
+  for (std::size_t at = 0; at < bytes.size(); at += kColoredBytes) {
+    expected.insert(bytes.substr(at, kColoredBytes));
+  }
+  std::multiset<std::string> found;
+  visit_copc_nodes({.file = &scratch, .point_bytes = kColoredBytes}, cube_of(extent),
+                   {.part = 3000, .node = 200}, [&](std::span<const CopcNode> nodes) {
+                     for (const CopcNode& node : nodes) {
+                       for (std::size_t at = 0; at < node.points.size(); at += kColoredBytes) {
+                         found.insert(node.points.substr(at, kColoredBytes));
+                       }
+                     }
+                   });
+  EXPECT_EQ(expected.size(), points.size());
+  EXPECT_TRUE(found == expected);
+}
+
 TEST(LasReader, ColoredFilesThatAreCutOffGiveTheirWholeChunks) {
   const test::TemporaryFolder folder;
   const std::vector<LasPoint> points = points_with(kLazChunkPoints + 500, rainbow);
@@ -207,7 +238,7 @@ TEST(LasReader, ColoredFilesThatAreCutOffGiveTheirWholeChunks) {
     return at;
   }();
   ASSERT_EQ(number<uint32_t>(good, second + kColoredBytes), 500U);
-  for (std::size_t end = second + 1; end < table; end += 37) {
+  for (std::size_t end = second + 1; end < table; end += 211) {
     const CloudFile cut = parse_las("a.laz", good.substr(0, end), kSurvey);
     ASSERT_EQ(cut.sweep.points.size(), kLazChunkPoints) << end;
     ASSERT_FALSE(cut.faults.empty());
