@@ -219,12 +219,15 @@ class Corpus {
       points.push_back({.position = {0.1 * i, 2.0 - 0.05 * i, 0.01 * (i % 3)},
                         .time = std::chrono::milliseconds(i),
                         .intensity = static_cast<uint16_t>(100 + i % 7),
-                        .ring = static_cast<uint16_t>(i % 4)});
+                        .ring = static_cast<uint16_t>(i % 4),
+                        .color = {static_cast<uint8_t>(5 * i), 90, static_cast<uint8_t>(i % 3)}});
     }
-    LasWriter laz(folder_ / "seed.laz", {}, LasPacking::laz);
-    laz.write(points);
-    laz.close();
-    add("clouds", "laz", "packed", content_of(folder_ / "seed.laz"));
+    for (const bool colored : {false, true}) {
+      LasWriter laz(folder_ / "seed.laz", {.colored = colored}, LasPacking::laz);
+      laz.write(points);
+      laz.close();
+      add("clouds", "laz", colored ? "colored" : "packed", content_of(folder_ / "seed.laz"));
+    }
     CopcWriter copc(folder_ / "seed.copc.laz", {});
     copc.write(points);
     copc.close();

@@ -23,13 +23,15 @@
 #include "adit/tools/clouds/las_reader.hpp"
 #include "adit/tools/clouds/las_writer.hpp"
 #include "adit/tools/clouds/laz_chunk.hpp"
+#include "adit/tools/clouds/laz_color.hpp"
 #include "adit/tools/clouds/laz_format.hpp"
 #include "adit/tools/clouds/laz_reader.hpp"
 
 namespace adit {
 namespace {
 
-const CloudReading kSurvey{.longest = 3600.0};  // s
+const CloudReading kSurvey{.longest = 3600.0};   // s
+constexpr std::size_t kPointBytes = 30 + 2 + 4;  // without colours
 
 std::span<const std::byte> bytes_in(const std::string& text) {
   return std::as_bytes(std::span(text.data(), text.size()));
@@ -72,11 +74,23 @@ class Congruential {
   uint64_t state_ = 1;
 };
 
-/// Points of format 6 that use every branch of the format: all attributes at random, times in four
-/// sequences.
-std::string wild_points(std::size_t count, std::size_t extra) {
+/// Colours that use every branch of the format: grey ones, and those that change in part.
+LazColor wild_color(Congruential& random, LazColor color) {
+  const bool grey = random.below(4) == 0;
+  for (std::size_t i = 0; i < color.size(); ++i) {
+    if (random.below(3) != 0) {
+      color[i] = static_cast<uint8_t>(random.below(256));
+    }
+    color[i] = grey ? color[i % 2] : color[i];
+  }
+  return color;
+}
+
+/// Points that use every branch of the format: all attributes at random, times in four sequences.
+std::string wild_points(std::size_t count, const LasPointLayout& layout) {
   Congruential random;
   std::string points;
+  LazColor color{};
   for (std::size_t i = 0; i < count; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
       const bool far = random.below(2) != 0;
@@ -85,8 +99,9 @@ std::string wild_points(std::size_t count, std::size_t extra) {
     }
     points += test::bytes_of(static_cast<uint16_t>(random.below(65536)));
     points += test::bytes_of(static_cast<uint8_t>(random.below(256)));
-    // With extra bytes all of scanner channel 0.
-    points += test::bytes_of(static_cast<uint8_t>(random.below(256) & (extra > 0 ? 0xcfU : 0xffU)));
+    // With colours or extra bytes all of scanner channel 0.
+    points += test::bytes_of(
+        static_cast<uint8_t>(random.below(256) & (layout.bytes() > kLas6Bytes ? 0xcfU : 0xffU)));
     points += test::bytes_of(static_cast<uint8_t>(random.below(256)));
     points += test::bytes_of(static_cast<uint8_t>(random.below(256)));
     points += test::bytes_of(static_cast<uint16_t>(random.below(65536)));
@@ -107,7 +122,11 @@ std::string wild_points(std::size_t count, std::size_t extra) {
         time = static_cast<double>(random.below(uint64_t{1} << 31U)) * 1e3;
     }
     points += test::bytes_of(time);
-    for (std::size_t byte = 0; byte < extra; ++byte) {
+    if (layout.colored) {
+      color = wild_color(random, color);
+      points.append(color.begin(), color.end());
+    }
+    for (std::size_t byte = 0; byte < layout.extra_bytes; ++byte) {
       points += test::bytes_of(static_cast<uint8_t>(random.below(256)));
     }
   }
@@ -193,21 +212,27 @@ TEST(ArithmeticCoder, WhatIsEncodedIsDecoded) {
 // points.
 TEST(LazChunk, IsByteForByteWhatOtherProgramsWrite) {
   struct Case {
-    std::size_t extra;
+    LasPointLayout layout;
     uint64_t points;
     std::size_t size;
     uint64_t chunk;
   };
-  for (const Case& c : {Case{0, 0xda9eb519970d2af9U, 51547, 0xdbe48630b06168c8U},
-                        Case{6, 0x79da72afe9dbec60U, 61556, 0x6142060bebf673c7U}}) {
-    const std::size_t point_bytes = kLas6Bytes + c.extra;
-    const std::string points = wild_points(2000, c.extra);
+  for (const Case& c : {Case{{}, 0xda9eb519970d2af9U, 51547, 0xdbe48630b06168c8U},
+                        Case{{.extra_bytes = 6}, 0x79da72afe9dbec60U, 61556, 0x6142060bebf673c7U},
+                        Case{{.colored = true, .extra_bytes = 6},
+                             0x50ee1495eb4fc8e5U,
+                             69848,
+                             0x14687d57da2308e6U}}) {
+    const std::size_t point_bytes = c.layout.bytes();
+    const std::string points = wild_points(2000, c.layout);
     ASSERT_EQ(fnv1a(points), c.points);
-    const std::string chunk = pack_laz_chunk(points, point_bytes);
+    const std::string chunk = pack_laz_chunk(points, c.layout);
     EXPECT_EQ(chunk.size(), c.size);
     EXPECT_EQ(fnv1a(chunk), c.chunk);
-    const UnpackedChunk unpacked = unpack_laz_chunk(
-        bytes_in(chunk), 2000, {.point_bytes = point_bytes, .layers = 9 + c.extra});
+    const UnpackedChunk unpacked =
+        unpack_laz_chunk(bytes_in(chunk), 2000,
+                         {.point_bytes = point_bytes,
+                          .layers = 9 + (c.layout.colored ? 1U : 0U) + c.layout.extra_bytes});
     EXPECT_TRUE(unpacked.is_whole);
     ASSERT_EQ(unpacked.points.size(), 2000 * kLas6Bytes);
     for (std::size_t i = 0; i < 2000; ++i) {
@@ -362,11 +387,12 @@ std::map<VoxelKey, std::string> nodes_of(const std::string& points, const CopcCu
   ScratchFile scratch(folder / "points");
   scratch.append(points);
   std::map<VoxelKey, std::string> nodes;
-  visit_copc_nodes(scratch, cube, limits, [&](std::span<const CopcNode> some) {
-    for (const CopcNode& node : some) {
-      EXPECT_TRUE(nodes.emplace(node.key, node.points).second);
-    }
-  });
+  visit_copc_nodes({.file = &scratch, .point_bytes = kPointBytes}, cube, limits,
+                   [&](std::span<const CopcNode> some) {
+                     for (const CopcNode& node : some) {
+                       EXPECT_TRUE(nodes.emplace(node.key, node.points).second);
+                     }
+                   });
   return nodes;
 }
 
@@ -396,7 +422,7 @@ TEST(CopcOctree, EachPointIsInOneNodeThatHasItAndNoCoarserOneHasRoom) {
       EXPECT_TRUE(nodes.contains({key.level - 1, key.x / 2, key.y / 2, key.z / 2}));
     }
     std::set<uint32_t> cells;
-    for (std::size_t at = 0; at < held.size(); at += kLasPointBytes) {
+    for (std::size_t at = 0; at < held.size(); at += kPointBytes) {
       const CopcCube::Place place = cube.place_of(held.data() + at);
       EXPECT_EQ(cube.key_of(place, key.level), key);
       cells.insert(cube.cell_of(place, key.level));
@@ -404,7 +430,7 @@ TEST(CopcOctree, EachPointIsInOneNodeThatHasItAndNoCoarserOneHasRoom) {
       std::memcpy(&number, held.data() + at + 32, sizeof(number));
       EXPECT_TRUE(seen.insert(number).second);
     }
-    const std::size_t count = held.size() / kLasPointBytes;
+    const std::size_t count = held.size() / kPointBytes;
     EXPECT_TRUE(count <= limits.node || cells.size() == count) << key.level << ' ' << count;
   }
   EXPECT_EQ(seen.size(), std::size_t{kPoints});
@@ -417,16 +443,16 @@ TEST(CopcOctree, EachPointIsInOneNodeThatHasItAndNoCoarserOneHasRoom) {
   std::size_t most = 0;
   std::size_t all = 0;
   for (const auto& [key, bytes] : nodes_of(points, cube_of(extent), limits, folder.path())) {
-    most = std::max(most, bytes.size() / kLasPointBytes);
-    all += bytes.size() / kLasPointBytes;
+    most = std::max(most, bytes.size() / kPointBytes);
+    all += bytes.size() / kPointBytes;
   }
   EXPECT_EQ(all, std::size_t{kPoints} + 1);
   EXPECT_LT(most, 10'000U);
-  points.resize(points.size() - kLasPointBytes);
+  points.resize(points.size() - kPointBytes);
   // In one part the same points are in as many nodes or more, never lost.
   std::size_t held = 0;
   for (const auto& [key, bytes] : nodes_of(points, cube, {.node = 200}, folder.path())) {
-    held += bytes.size() / kLasPointBytes;
+    held += bytes.size() / kPointBytes;
   }
   EXPECT_EQ(held, std::size_t{kPoints});
 }
@@ -448,7 +474,7 @@ TEST(CopcWriter, IsALazFileWithItsOctreeWhereReadersLookForIt) {
   for (uint64_t at = list; at < list + list_bytes; at += 32) {
     const auto count = static_cast<uint64_t>(number(int32_t{}, at + 28));
     // Each chunk says its number of points behind its first point.
-    EXPECT_EQ(number(uint32_t{}, number(uint64_t{}, at + 16) + kLasPointBytes), count);
+    EXPECT_EQ(number(uint32_t{}, number(uint64_t{}, at + 16) + kPointBytes), count);
     held += count;
   }
   EXPECT_EQ(held, points.size());

@@ -42,23 +42,25 @@ std::size_t octant_of(const VoxelKey& key, int32_t level) {
   return static_cast<std::size_t>((at.x & 1) | ((at.y & 1) << 1) | ((at.z & 1) << 2));
 }
 
-/// A subtree, and where its points are in a file.
+/// A subtree, and which points of a file are its own.
 struct Part {
   VoxelKey root{};
-  uint64_t begin = 0;  ///< byte
+  uint64_t begin = 0;  ///< first point
   uint64_t points = 0;
 };
 
-/// Calls take(block) with the bytes of a part's points, in order.
+/// Calls take(point) with the bytes of each of a part's points, in order.
 template <class Take>
-void visit_blocks(const ScratchFile& points, const Part& part, const Take& take) {
+void visit_points(const CopcPoints& points, const Part& part, const Take& take) {
   std::string block;
-  constexpr uint64_t kBlockBytes = kBlockPoints * kLasPointBytes;
-  const uint64_t end = part.begin + part.points * kLasPointBytes;
-  for (uint64_t at = part.begin; at < end; at += block.size()) {
-    block.resize(std::min(kBlockBytes, end - at));
-    points.read_at(at, block);
-    take(std::string_view(block));
+  const std::size_t size = points.point_bytes;
+  const uint64_t end = (part.begin + part.points) * size;
+  for (uint64_t begin = part.begin * size; begin < end; begin += block.size()) {
+    block.resize(std::min(kBlockPoints * size, end - begin));
+    points.file->read_at(begin, block);
+    for (std::size_t at = 0; at < block.size(); at += size) {
+      take(std::string_view(block).substr(at, size));
+    }
   }
 }
 
@@ -80,8 +82,7 @@ void split(const VoxelKey& root, std::vector<CountedCell> cells, uint64_t most, 
                       [](uint64_t sum, const CountedCell& cell) { return sum + cell.points; });
   if (points <= most || root.level == into.counted_level) {
     const uint64_t begin =
-        into.parts.empty() ? 0
-                           : into.parts.back().begin + into.parts.back().points * kLasPointBytes;
+        into.parts.empty() ? 0 : into.parts.back().begin + into.parts.back().points;
     for (const CountedCell& cell : cells) {
       into.part_of.emplace(packed_key(cell.key), into.parts.size());
     }
@@ -100,13 +101,11 @@ void split(const VoxelKey& root, std::vector<CountedCell> cells, uint64_t most, 
   }
 }
 
-Parts parts_of(const ScratchFile& points, const Part& whole, const CopcCube& cube, uint64_t most) {
+Parts parts_of(const CopcPoints& points, const Part& whole, const CopcCube& cube, uint64_t most) {
   Parts parts{.counted_level = std::min(whole.root.level + kCountedLevels, kDeepestLevel)};
   std::map<VoxelKey, uint64_t> counts;
-  visit_blocks(points, whole, [&](std::string_view block) {
-    for (std::size_t at = 0; at < block.size(); at += kLasPointBytes) {
-      ++counts[cube.key_of(cube.place_of(block.data() + at), parts.counted_level)];
-    }
+  visit_points(points, whole, [&](std::string_view point) {
+    ++counts[cube.key_of(cube.place_of(point.data()), parts.counted_level)];
   });
   std::vector<CountedCell> cells;
   for (const auto& [key, count] : counts) {
@@ -117,7 +116,7 @@ Parts parts_of(const ScratchFile& points, const Part& whole, const CopcCube& cub
 }
 
 /// Writes the points in the order of their parts.
-void sort_by_part(const ScratchFile& points, const Part& whole, const CopcCube& cube,
+void sort_by_part(const CopcPoints& points, const Part& whole, const CopcCube& cube,
                   const Parts& parts, ScratchFile& sorted) {
   struct Open {
     uint64_t at = 0;
@@ -125,21 +124,19 @@ void sort_by_part(const ScratchFile& points, const Part& whole, const CopcCube& 
   };
   std::vector<Open> open;
   for (const Part& part : parts.parts) {
-    open.push_back({.at = part.begin});
+    open.push_back({.at = part.begin * points.point_bytes});
   }
   const auto write = [&](Open& part) {
     sorted.write_at(part.at, part.waiting);
     part.at += part.waiting.size();
     part.waiting.clear();
   };
-  visit_blocks(points, whole, [&](std::string_view block) {
-    for (std::size_t at = 0; at < block.size(); at += kLasPointBytes) {
-      const VoxelKey key = cube.key_of(cube.place_of(block.data() + at), parts.counted_level);
-      Open& part = open[parts.part_of.at(packed_key(key))];
-      part.waiting += block.substr(at, kLasPointBytes);
-      if (part.waiting.size() >= kPartBuffer) {
-        write(part);
-      }
+  visit_points(points, whole, [&](std::string_view point) {
+    const VoxelKey key = cube.key_of(cube.place_of(point.data()), parts.counted_level);
+    Open& part = open[parts.part_of.at(packed_key(key))];
+    part.waiting += point;
+    if (part.waiting.size() >= kPartBuffer) {
+      write(part);
     }
   });
   std::ranges::for_each(open, write);
@@ -148,8 +145,9 @@ void sort_by_part(const ScratchFile& points, const Part& whole, const CopcCube& 
 /// Makes the nodes of one part after the other.
 class OctreeMaker {
  public:
-  OctreeMaker(const CopcCube& cube, const CopcLimits& limits, const TakeNodes& take)
-      : cube_(&cube), limits_(limits), take_(&take) {}
+  OctreeMaker(const CopcCube& cube, const CopcLimits& limits, std::size_t point_bytes,
+              const TakeNodes& take)
+      : cube_(&cube), limits_(limits), point_bytes_(point_bytes), take_(&take) {}
 
   void add(const Part& part, const std::string& points);
   /// The nodes above all parts, which are known only now.
@@ -162,6 +160,9 @@ class OctreeMaker {
   };
   using Indices = std::vector<uint32_t>;
 
+  std::string_view point_at(const std::string& points, std::size_t index) const {
+    return std::string_view(points).substr(index * point_bytes_, point_bytes_);
+  }
   /// Whether a node above the part has taken a point.
   bool is_taken_above(const Part& part, const CopcCube::Place& place, std::string_view point);
   void build(const VoxelKey& key, Indices indices, const std::string& points);
@@ -170,19 +171,16 @@ class OctreeMaker {
 
   const CopcCube* cube_;
   CopcLimits limits_;
+  std::size_t point_bytes_;
   const TakeNodes* take_;
   std::map<VoxelKey, CoarseNode> coarse_{};
   std::vector<CopcNode> nodes_{};
   std::vector<bool> occupied_ = std::vector<bool>(kCopcCells * kCopcCells * kCopcCells);
 };
 
-std::string_view point_at(const std::string& points, std::size_t index) {
-  return std::string_view(points).substr(index * kLasPointBytes, kLasPointBytes);
-}
-
 void OctreeMaker::add(const Part& part, const std::string& points) {
   Indices indices;
-  for (std::size_t i = 0; i < points.size() / kLasPointBytes; ++i) {
+  for (std::size_t i = 0; i < points.size() / point_bytes_; ++i) {
     const std::string_view point = point_at(points, i);
     if (!is_taken_above(part, cube_->place_of(point.data()), point)) {
       indices.push_back(static_cast<uint32_t>(i));
@@ -296,24 +294,25 @@ CopcCube cube_of(const LasExtent& extent) {
   return cube;
 }
 
-void visit_copc_nodes(const ScratchFile& points, const CopcCube& cube, const CopcLimits& limits,
+void visit_copc_nodes(const CopcPoints& points, const CopcCube& cube, const CopcLimits& limits,
                       const TakeNodes& take) {
-  OctreeMaker maker(cube, limits, take);
-  const auto visit = [&](const auto& self, const ScratchFile& from, const Part& part) -> void {
+  const std::size_t size = points.point_bytes;
+  OctreeMaker maker(cube, limits, size, take);
+  const auto visit = [&](const auto& self, const CopcPoints& from, const Part& part) -> void {
     if (part.points <= limits.part || part.root.level == kDeepestLevel) {
-      std::string bytes(part.points * kLasPointBytes, '\0');
-      from.read_at(part.begin, bytes);
+      std::string bytes(part.points * size, '\0');
+      from.file->read_at(part.begin * size, bytes);
       maker.add(part, bytes);
       return;
     }
     const Parts parts = parts_of(from, part, cube, limits.part);
-    ScratchFile sorted(points.beside());
+    ScratchFile sorted(points.file->beside());
     sort_by_part(from, part, cube, parts, sorted);
     for (const Part& one : parts.parts) {
-      self(self, sorted, one);
+      self(self, {.file = &sorted, .point_bytes = size}, one);
     }
   };
-  visit(visit, points, {.points = points.size() / kLasPointBytes});
+  visit(visit, points, {.points = points.file->size() / size});
   maker.finish();
 }
 

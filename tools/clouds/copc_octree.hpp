@@ -9,6 +9,7 @@
 
 #include <array>
 #include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -55,17 +56,22 @@ struct CopcNode {
 };
 using TakeNodes = std::function<void(std::span<const CopcNode>)>;
 
+/// Points of a LAS file as adit writes it.
+struct CopcPoints {
+  const ScratchFile* file = nullptr;
+  std::size_t point_bytes = 0;
+};
+
 /// How much is handled at a time.
 struct CopcLimits {
-  /// Points of a part of the octree that is in memory at a time: 72 MB.
+  /// Points of a part of the octree that is in memory at a time: 72 MB, with colours 84 MB.
   uint64_t part = 2'000'000;
   /// Points that a node keeps without nodes below it, as many as a chunk of other LAZ files.
   uint64_t node = 50'000;
 };
 
-/// All nodes with points, each once, some at a time, always in the same order. `points`: of a LAS
-/// file as adit writes it.
-void visit_copc_nodes(const ScratchFile& points, const CopcCube& cube, const CopcLimits& limits,
+/// All nodes with points, each once, some at a time, always in the same order.
+void visit_copc_nodes(const CopcPoints& points, const CopcCube& cube, const CopcLimits& limits,
                       const TakeNodes& take);
 
 }  // namespace adit

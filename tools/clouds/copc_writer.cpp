@@ -54,7 +54,7 @@ std::string copc_info(const CopcCube& cube, const LasHeading& heading, const Las
 LasRecords copc_records(const LasHeading& heading, const std::string& info) {
   LasRecords records;
   records.add("copc", 1, "COPC info", info);
-  add_laz_record(records, kLazAnyPoints, kLasPointBytes - kLas6Bytes);
+  add_laz_record(records, kLazAnyPoints, las_point_layout(heading));
   add_las_records(records, heading);
   return records;
 }
@@ -107,18 +107,20 @@ void CopcWriter::close() {
   };
   const std::string draft = begin({}, 0);
   file_.write(draft);
-  LazChunkWriter chunks(file_, draft.size(), kLasPointBytes);
+  const LasPointLayout layout = las_point_layout(heading_);
+  LazChunkWriter chunks(file_, draft.size(), layout);
   std::vector<NodeEntry> nodes;
-  visit_copc_nodes(points_, cube, {}, [&](std::span<const CopcNode> some) {
-    std::vector<std::string_view> points;
-    for (const CopcNode& node : some) {
-      points.emplace_back(node.points);
-    }
-    const std::vector<LazChunk> written = chunks.write(points);
-    for (std::size_t i = 0; i < some.size(); ++i) {
-      nodes.push_back({.key = some[i].key, .chunk = written[i]});
-    }
-  });
+  visit_copc_nodes({.file = &points_, .point_bytes = layout.bytes()}, cube, {},
+                   [&](std::span<const CopcNode> some) {
+                     std::vector<std::string_view> points;
+                     for (const CopcNode& node : some) {
+                       points.emplace_back(node.points);
+                     }
+                     const std::vector<LazChunk> written = chunks.write(points);
+                     for (std::size_t i = 0; i < some.size(); ++i) {
+                       nodes.push_back({.key = some[i].key, .chunk = written[i]});
+                     }
+                   });
   if (nodes.empty()) {
     nodes.push_back({});  // a root without points
   }

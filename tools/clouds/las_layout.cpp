@@ -20,6 +20,7 @@ namespace {
 constexpr uint16_t kAdjustedTime = 1U << 0U;
 constexpr uint16_t kWkt = 1U << 4U;
 constexpr uint8_t kFormat = 6;
+constexpr uint8_t kColoredFormat = 7;
 constexpr uint8_t kPackedFormat = 0x80;
 constexpr int64_t kSecond = 1'000'000'000;
 constexpr int64_t kGpsEpoch = 315'964'800;  // 1980-01-06 in UNIX time, s
@@ -58,7 +59,7 @@ std::string class_names() {
   return bytes;
 }
 
-/// A point as it lies in a file.
+/// A point of format 6 as it lies in a file.
 #pragma pack(push, 1)
 struct PackedPoint {
   std::array<int32_t, 3> position;  ///< steps
@@ -70,13 +71,28 @@ struct PackedPoint {
   int16_t angle = 0;  ///< not known
   uint16_t source;
   double time;
-  uint16_t ring;  // extra bytes from here on
+};
+struct ExtraBytes {
+  uint16_t ring;
   uint32_t keyframe;
 };
 #pragma pack(pop)
-static_assert(sizeof(PackedPoint) == kLasPointBytes);
+static_assert(sizeof(PackedPoint) == kLas6Bytes);
+
+/// From 8 to 16 bits, so that 255 becomes 65535 (LAS 1.4 R15: "Red, Green, Blue").
+std::array<uint16_t, 3> wide_color(const std::array<uint8_t, 3>& color) {
+  std::array<uint16_t, 3> wide{};
+  std::ranges::transform(color, wide.begin(),
+                         [](uint8_t value) { return static_cast<uint16_t>(257U * value); });
+  static_assert(sizeof(wide) == kLasColorBytes);
+  return wide;
+}
 
 }  // namespace
+
+LasPointLayout las_point_layout(const LasHeading& heading) {
+  return {.colored = heading.colored, .extra_bytes = sizeof(ExtraBytes)};
+}
 
 bool is_unix_time(Nanoseconds stamp) {
   return stamp.count() >= 946'684'800 * kSecond && stamp.count() < 4'102'444'800 * kSecond;
@@ -145,10 +161,12 @@ void append_las_point(std::string& bytes, LasExtent& extent, const LasPoint& poi
                            .intensity = point.intensity,
                            .classification = static_cast<uint8_t>(point.classification),
                            .source = point.source,
-                           .time = time,
-                           .ring = point.ring,
-                           .keyframe = point.keyframe};
+                           .time = time};
   append_raw(bytes, packed);
+  if (heading.colored) {
+    append_raw(bytes, wide_color(point.color));
+  }
+  append_raw(bytes, ExtraBytes{.ring = point.ring, .keyframe = point.keyframe});
   ++extent.points;
 }
 
@@ -177,8 +195,9 @@ std::string las_header(const LasHeading& heading, const LasExtent& extent,
   append_raw(bytes, kLasHeaderBytes);
   append_raw(bytes, static_cast<uint32_t>(kLasHeaderBytes + framing.record_bytes));
   append_raw(bytes, framing.records);
-  append_raw(bytes, static_cast<uint8_t>(kFormat | (framing.packed ? kPackedFormat : 0U)));
-  append_raw(bytes, kLasPointBytes);
+  append_raw(bytes, static_cast<uint8_t>((heading.colored ? kColoredFormat : kFormat) |
+                                         (framing.packed ? kPackedFormat : 0U)));
+  append_raw(bytes, static_cast<uint16_t>(las_point_layout(heading).bytes()));
   bytes.append(6 * 4, '\0');  // counts of earlier versions
   for (int axis = 0; axis < 3; ++axis) {
     append_raw(bytes, kLasScale);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -35,6 +36,8 @@ struct LasPoint {
   uint16_t source = 0;    ///< "point source ID": the session
   uint16_t ring = 0;      ///< extra bytes
   uint32_t keyframe = 0;  ///< extra bytes
+  /// Red, green, blue. Only files with colours have them.
+  std::array<uint8_t, 3> color{};
 };
 
 /// What a LAS file says of itself.
@@ -44,6 +47,7 @@ struct LasHeading {
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< m; points within 2000 km of it
   /// Stamps are UNIX times: written as adjusted standard GPS time. Otherwise as they are, s.
   bool unix_times = false;
+  bool colored = false;  ///< points are of format 7, which has colours, and not of format 6
 };
 
 /// Whether a stamp can be UNIX time: from 2000 to 2100.
@@ -54,8 +58,21 @@ double adjusted_gps_time(Nanoseconds unix_time);
 
 inline constexpr double kLasScale = 0.001;  ///< m, of a step of coordinates
 inline constexpr uint16_t kLasHeaderBytes = 375;
-/// Point format 6 with ring and keyframe as extra bytes.
-inline constexpr uint16_t kLasPointBytes = 30 + 2 + 4;
+/// Bytes of a point of format 6, without extra bytes.
+inline constexpr std::size_t kLas6Bytes = 30;
+/// Bytes that format 7 adds to it: 16 bits each of red, green and blue.
+inline constexpr std::size_t kLasColorBytes = 6;
+
+/// The parts of a point's record, in this order: format 6, the colour, extra bytes.
+struct LasPointLayout {
+  bool colored = false;
+  std::size_t extra_bytes = 0;
+
+  constexpr std::size_t extra_at() const { return kLas6Bytes + (colored ? kLasColorBytes : 0); }
+  constexpr std::size_t bytes() const { return extra_at() + extra_bytes; }
+};
+/// That of the points of such a file. Extra bytes are ring and keyframe.
+LasPointLayout las_point_layout(const LasHeading& heading);
 
 /// What a header says of the points, gathered as they come.
 struct LasExtent {

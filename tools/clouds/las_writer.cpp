@@ -11,24 +11,19 @@
 #include "adit/tools/support/parallel.hpp"
 
 namespace adit {
-namespace {
-
-constexpr std::size_t kChunkBytes = std::size_t{kLazChunkPoints} * kLasPointBytes;
-
-}  // namespace
 
 LasWriter::LasWriter(std::filesystem::path path, LasHeading heading, LasPacking packing)
-    : heading_(std::move(heading)), file_(std::move(path)) {
+    : heading_(std::move(heading)), layout_(las_point_layout(heading_)), file_(std::move(path)) {
   const bool packed = packing == LasPacking::laz;
   if (packed) {
-    add_laz_record(records_, kLazChunkPoints, kLasPointBytes - kLas6Bytes);
+    add_laz_record(records_, kLazChunkPoints, layout_);
   }
   add_las_records(records_, heading_);
   const std::string first = header();
   file_.write(first);
   file_.write(records_.bytes);
   if (packed) {
-    chunks_.emplace(file_, first.size() + records_.bytes.size(), kLasPointBytes);
+    chunks_.emplace(file_, first.size() + records_.bytes.size(), layout_);
   }
 }
 
@@ -40,7 +35,7 @@ std::string LasWriter::header() const {
 }
 
 void LasWriter::write(std::span<const LasPoint> points) {
-  waiting_.reserve(waiting_.size() + points.size() * kLasPointBytes);
+  waiting_.reserve(waiting_.size() + points.size() * layout_.bytes());
   for (const LasPoint& point : points) {
     append_las_point(waiting_, extent_, point, heading_, file_.path());
   }
@@ -53,12 +48,13 @@ void LasWriter::write(std::span<const LasPoint> points) {
 }
 
 void LasWriter::write_chunks(bool all) {
+  const std::size_t chunk_bytes = kLazChunkPoints * layout_.bytes();
   // As many as are packed at the same time.
-  const std::size_t together = parallel_pieces() * kChunkBytes;
+  const std::size_t together = parallel_pieces() * chunk_bytes;
   const std::size_t whole = all ? waiting_.size() : waiting_.size() / together * together;
   std::vector<std::string_view> chunks;
-  for (std::size_t at = 0; at < whole; at += kChunkBytes) {
-    chunks.push_back(std::string_view(waiting_).substr(at, std::min(kChunkBytes, whole - at)));
+  for (std::size_t at = 0; at < whole; at += chunk_bytes) {
+    chunks.push_back(std::string_view(waiting_).substr(at, std::min(chunk_bytes, whole - at)));
   }
   chunks_->write(chunks);
   waiting_.erase(0, whole);

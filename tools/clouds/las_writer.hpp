@@ -16,10 +16,10 @@ namespace adit {
 
 enum class LasPacking { none, laz };
 
-/// Writes a cloud of any length as LAS 1.4, point format 6, or packed as LAZ, as the points come:
-/// coordinates in millimetres, ring and keyframe as extra bytes. Same points, same bytes: the date
-/// in the header is that of the first point, or 0. Throws OutputError, also for a point too far
-/// from the offset.
+/// Writes a cloud of any length as LAS 1.4, point format 6 or with colours 7, or packed as LAZ, as
+/// the points come: coordinates in millimetres, ring and keyframe as extra bytes. Same points, same
+/// bytes: the date in the header is that of the first point, or 0. Throws OutputError, also for a
+/// point too far from the offset.
 class LasWriter {
  public:
   LasWriter(std::filesystem::path path, LasHeading heading, LasPacking packing = LasPacking::none);
@@ -35,6 +35,7 @@ class LasWriter {
   void write_chunks(bool all);
 
   LasHeading heading_;
+  LasPointLayout layout_;
   OutputFile file_;
   LasRecords records_{};
   LasExtent extent_{};

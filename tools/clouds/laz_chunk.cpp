@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "adit/tools/clouds/arithmetic_coder.hpp"
+#include "adit/tools/clouds/laz_color.hpp"
 #include "adit/tools/clouds/laz_series.hpp"
 #include "adit/tools/support/raw_bytes.hpp"
 
@@ -377,9 +378,26 @@ std::string pack_extra_byte(std::string_view points, std::size_t point_bytes, st
   return encoder.finish();
 }
 
+/// The layer of all colours.
+std::string pack_colors(std::string_view points, std::size_t point_bytes) {
+  if (!differs(points, point_bytes, kLas6Bytes, kLasColorBytes)) {
+    return {};
+  }
+  ArithmeticEncoder encoder;
+  LazColorCodec codec;
+  const auto color_of = [&](std::size_t point) {
+    return load_raw<LazColor>(points.data(), point + kLas6Bytes);
+  };
+  for (std::size_t at = point_bytes; at < points.size(); at += point_bytes) {
+    codec.code(encoder, color_of(at - point_bytes), color_of(at));
+  }
+  return encoder.finish();
+}
+
 }  // namespace
 
-std::string pack_laz_chunk(std::string_view points, std::size_t point_bytes) {
+std::string pack_laz_chunk(std::string_view points, const LasPointLayout& layout) {
+  const std::size_t point_bytes = layout.bytes();
   const LasPoint14 first = load_point14(points.data());
   Point14Codec<ArithmeticEncoder> codec(encoders_for(points, point_bytes), first);
   for (std::size_t at = point_bytes; at < points.size(); at += point_bytes) {
@@ -389,7 +407,10 @@ std::string pack_laz_chunk(std::string_view points, std::size_t point_bytes) {
   for (std::optional<ArithmeticEncoder>& coder : codec.coders()) {
     layers.push_back(coder ? coder->finish() : std::string());
   }
-  for (std::size_t at = kLas6Bytes; at < point_bytes; ++at) {
+  if (layout.colored) {
+    layers.push_back(pack_colors(points, point_bytes));
+  }
+  for (std::size_t at = layout.extra_at(); at < point_bytes; ++at) {
     layers.push_back(pack_extra_byte(points, point_bytes, at));
   }
   std::string chunk(points.substr(0, point_bytes));

@@ -2,23 +2,24 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A chunk of points of LAS formats 6 to 10 as LAZ files have it: "LASzip for LAS 1.4 (native
-// extension)", LAStools' LASzip/design/specification.rst, items POINT14 and BYTE14, version 3. Each
-// attribute has a layer of its own, so that the places of points can be read without their colours.
+// extension)", LAStools' LASzip/design/specification.rst, items POINT14, RGB14 and BYTE14, version
+// 3. Each attribute has a layer of its own, so that the places of points can be read without their
+// colours.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
+
+#include "adit/tools/clouds/las_layout.hpp"
 
 namespace adit {
 
-/// Bytes of a point of format 6, without extra bytes.
-inline constexpr std::size_t kLas6Bytes = 30;
-
-/// Packs points of format 6, `point_bytes` each, of which those after the first 30 are extra bytes.
-/// At least one point, all of scanner channel 0; `points` is their bytes as a LAS file has them.
-std::string pack_laz_chunk(std::string_view points, std::size_t point_bytes);
+/// Packs points of format 6 or, with colours, 7. At least one point; where there are colours or
+/// extra bytes, all of scanner channel 0. `points` is their bytes as a LAS file has them.
+std::string pack_laz_chunk(std::string_view points, const LasPointLayout& layout);
 
 /// What lies between the bytes of a chunk's points.
 struct LazChunkLayout {

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "adit/tools/clouds/laz_color.hpp"
 #include "adit/tools/clouds/laz_series.hpp"
 #include "adit/tools/support/raw_bytes.hpp"
 
@@ -18,7 +19,6 @@ namespace {
 
 constexpr std::size_t kPlainBytes = 20;
 constexpr std::size_t kTimeBytes = 8;
-constexpr std::size_t kColorBytes = 6;
 
 /// LASzip's table `number_return_map`: the context of a return by its number (column) and that of
 /// its pulse's returns (row).
@@ -120,52 +120,12 @@ void PlainDecoder::next_position(ArithmeticDecoder& decoder, std::string& point)
   store_raw(point.data(), 8, heights_[level]);
 }
 
-/// RGB12: each byte by what the others of its pixel have changed by.
-class ColorDecoder {
- public:
-  void next(ArithmeticDecoder& decoder, std::string& point, std::size_t at);
-
- private:
-  SymbolModel used_{128};
-  std::vector<SymbolModel> bytes_ = byte_models(6);
-};
-
-void ColorDecoder::next(ArithmeticDecoder& decoder, std::string& point, std::size_t at) {
-  const uint32_t changes = decoder.symbol(used_);
-  std::array<int, 6> last{};  // lower and upper byte of red, green and blue
-  for (std::size_t i = 0; i < last.size(); ++i) {
-    last[i] = load_raw<uint8_t>(point.data(), at + i);
-  }
-  std::array<int, 6> now = last;
-  const auto take = [&](std::size_t i, int predicted) {
-    if (((changes >> i) & 1U) != 0) {
-      const auto step = static_cast<int>(decoder.symbol(bytes_[i]));
-      now[i] = (std::clamp(predicted, 0, 255) + step) & 255;
-    }
-  };
-  take(0, last[0]);
-  take(1, last[1]);
-  if ((changes & 64U) == 0) {  // grey
-    now[2] = now[4] = now[0];
-    now[3] = now[5] = now[1];
-  } else {
-    for (const std::size_t half : {std::size_t{0}, std::size_t{1}}) {
-      const int red = now[half] - last[half];
-      take(half + 2, last[half + 2] + red);
-      take(half + 4, last[half + 4] + (red + now[half + 2] - last[half + 2]) / 2);
-    }
-  }
-  for (std::size_t i = 0; i < now.size(); ++i) {
-    store_raw(point.data(), at + i, static_cast<uint8_t>(now[i]));
-  }
-}
-
 }  // namespace
 
 UnpackedChunk unpack_pointwise_chunk(std::span<const std::byte> chunk, std::size_t count,
                                      const PointwiseLayout& layout) {
   const std::size_t color_at = kPlainBytes + (layout.has_time ? kTimeBytes : 0);
-  const std::size_t extra_at = color_at + (layout.has_color ? kColorBytes : 0);
+  const std::size_t extra_at = color_at + (layout.has_color ? kLasColorBytes : 0);
   const std::size_t point_bytes = extra_at + layout.extra_bytes;
   UnpackedChunk unpacked;
   if (chunk.size() < point_bytes || count == 0) {
@@ -177,7 +137,7 @@ UnpackedChunk unpack_pointwise_chunk(std::span<const std::byte> chunk, std::size
   PlainDecoder plain;
   PulseTimes times(layout.has_time ? load_raw<uint64_t>(point.data(), kPlainBytes) : 0,
                    PulseTimes::unchanged_is_coded);
-  ColorDecoder color;
+  LazColorCodec color;
   std::vector<SymbolModel> extra = byte_models(layout.extra_bytes);
   store_raw(point.data(), 12, uint16_t{0});  // intensities are coded by what was coded before
   for (std::size_t i = 1; i < count && !decoder.is_overrun(); ++i) {
@@ -186,7 +146,8 @@ UnpackedChunk unpack_pointwise_chunk(std::span<const std::byte> chunk, std::size
       store_raw(point.data(), kPlainBytes, times.code(decoder, 0));
     }
     if (layout.has_color) {
-      color.next(decoder, point, color_at);
+      const auto last = load_raw<LazColor>(point.data(), color_at);
+      store_raw(point.data(), color_at, color.code(decoder, last, {}));
     }
     for (std::size_t byte = 0; byte < layout.extra_bytes; ++byte) {
       const std::size_t at = extra_at + byte;

@@ -3,7 +3,7 @@
 //
 // A chunk of points of LAS formats 0 to 3 as LAZ files have it: M. Isenburg, "LASzip: lossless
 // compression of LiDAR data", PE&RS 79(2), 2013, items POINT10, GPSTIME11, RGB12 and BYTE, version
-// 2. They are read alone: what adit writes is of format 6.
+// 2. They are read alone: what adit writes is of formats 6 and 7.
 #pragma once
 
 #include <cstddef>

@@ -9,7 +9,12 @@
 
 namespace adit {
 
-void add_laz_record(LasRecords& records, uint32_t chunk_points, std::size_t extra_bytes) {
+void add_laz_record(LasRecords& records, uint32_t chunk_points, const LasPointLayout& layout) {
+  std::vector<LazItem> items{{LazItemKind::point14, kLas6Bytes, 3}};
+  if (layout.colored) {
+    items.push_back({LazItemKind::color14, kLasColorBytes, 3});
+  }
+  items.push_back({LazItemKind::bytes14, static_cast<uint16_t>(layout.extra_bytes), 3});
   std::string content;
   append_raw(content, kLayeredChunks);
   append_raw(content, uint16_t{0});  // the arithmetic coder
@@ -20,10 +25,8 @@ void add_laz_record(LasRecords& records, uint32_t chunk_points, std::size_t extr
   append_raw(content, chunk_points);
   append_raw(content, int64_t{-1});  // no special records
   append_raw(content, int64_t{-1});
-  append_raw(content, uint16_t{2});
-  for (const LazItem& item :
-       {LazItem{LazItemKind::point14, kLas6Bytes, 3},
-        LazItem{LazItemKind::bytes14, static_cast<uint16_t>(extra_bytes), 3}}) {
+  append_raw(content, static_cast<uint16_t>(items.size()));
+  for (const LazItem& item : items) {
     append_raw(content, item.kind);
     append_raw(content, item.bytes);
     append_raw(content, item.version);
@@ -31,8 +34,8 @@ void add_laz_record(LasRecords& records, uint32_t chunk_points, std::size_t extr
   records.add(kLazUser, kLazRecord, "packed as by LASzip", content);
 }
 
-LazChunkWriter::LazChunkWriter(OutputFile& file, uint64_t begin, std::size_t point_bytes)
-    : file_(&file), begin_(begin), at_(begin + sizeof(uint64_t)), point_bytes_(point_bytes) {
+LazChunkWriter::LazChunkWriter(OutputFile& file, uint64_t begin, const LasPointLayout& layout)
+    : file_(&file), begin_(begin), at_(begin + sizeof(uint64_t)), layout_(layout) {
   std::string table;
   append_raw(table, uint64_t{0});  // written when it is known
   file_->write(table);
@@ -42,14 +45,14 @@ std::vector<LazChunk> LazChunkWriter::write(std::span<const std::string_view> ch
   std::vector<std::string> packed(chunks.size());
   in_parallel(chunks.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      packed[i] = pack_laz_chunk(chunks[i], point_bytes_);
+      packed[i] = pack_laz_chunk(chunks[i], layout_);
     }
   });
   std::vector<LazChunk> written;
   for (std::size_t i = 0; i < chunks.size(); ++i) {
     file_->write(packed[i]);
     written.push_back(
-        {.begin = at_, .bytes = packed[i].size(), .points = chunks[i].size() / point_bytes_});
+        {.begin = at_, .bytes = packed[i].size(), .points = chunks[i].size() / layout_.bytes()});
     at_ += packed[i].size();
   }
   chunks_.insert(chunks_.end(), written.begin(), written.end());

@@ -15,8 +15,8 @@
 
 namespace adit {
 
-/// How points of format 6 with so many extra bytes are packed.
-void add_laz_record(LasRecords& records, uint32_t chunk_points, std::size_t extra_bytes);
+/// How such points are packed.
+void add_laz_record(LasRecords& records, uint32_t chunk_points, const LasPointLayout& layout);
 
 /// What a table says of each chunk.
 enum class LazTable { sizes, points_and_sizes };
@@ -25,7 +25,7 @@ enum class LazTable { sizes, points_and_sizes };
 class LazChunkWriter {
  public:
   /// `begin`: the byte of the file that comes next. `file` must outlive it.
-  LazChunkWriter(OutputFile& file, uint64_t begin, std::size_t point_bytes);
+  LazChunkWriter(OutputFile& file, uint64_t begin, const LasPointLayout& layout);
 
   /// Packs the points of each, at least one, into a chunk of its own.
   std::vector<LazChunk> write(std::span<const std::string_view> chunks);
@@ -36,7 +36,7 @@ class LazChunkWriter {
   OutputFile* file_;
   uint64_t begin_;
   uint64_t at_;
-  std::size_t point_bytes_;
+  LasPointLayout layout_;
   std::vector<LazChunk> chunks_{};
 };
 

@@ -25,15 +25,15 @@ BasicPcdWriter<P>::BasicPcdWriter(std::filesystem::path path,
     head += "# " + comment + "\n";
   }
   const auto line = [&](const char* name, const char* of_all, const char* of_time,
-                        const char* of_class) {
+                        const char* of_color, const char* of_class) {
     head += std::string(name) + of_all + (kHasTime<P> ? of_time : "") +
-            (kHasClass<P> ? of_class : "") + "\n";
+            (kHasColor<P> ? of_color : "") + (kHasClass<P> ? of_class : "") + "\n";
   };
   head += "VERSION 0.7\n";
-  line("FIELDS", " x y z intensity", " time ring", " classification");
-  line("SIZE", " 4 4 4 4", " 8 2", " 1");
-  line("TYPE", " F F F F", " F U", " U");
-  line("COUNT", " 1 1 1 1", " 1 1", " 1");
+  line("FIELDS", " x y z intensity", " time ring", " rgb", " classification");
+  line("SIZE", " 4 4 4 4", " 8 2", " 4", " 1");
+  line("TYPE", " F F F F", " F U", " F", " U");  // rgb: a float by name alone, as PCL has it
+  line("COUNT", " 1 1 1 1", " 1 1", " 1", " 1");
   head += "WIDTH ";
   width_offset_ = head.size();
   head += zero_padded(0) + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS ";
@@ -60,5 +60,9 @@ template class BasicPcdWriter<Point>;
 template class BasicPcdWriter<TimedPoint>;
 template class BasicPcdWriter<Classified<Point>>;
 template class BasicPcdWriter<Classified<TimedPoint>>;
+template class BasicPcdWriter<Colored<Point, PcdColor>>;
+template class BasicPcdWriter<Colored<TimedPoint, PcdColor>>;
+template class BasicPcdWriter<Classified<Colored<Point, PcdColor>>>;
+template class BasicPcdWriter<Classified<Colored<TimedPoint, PcdColor>>>;
 
 }  // namespace adit

@@ -14,9 +14,9 @@
 
 namespace adit {
 
-/// Writes a cloud of any length as a binary PCD 0.7 (float x y z intensity, and of TimedPoints also
-/// double time and uint16 ring, of classified points also uint8 classification), as the points
-/// come. Throws OutputError.
+/// Writes a cloud of any length as a binary PCD 0.7, as the points come: float x y z intensity, of
+/// TimedPoints also double time and uint16 ring, of points with a colour also rgb, of classified
+/// points also uint8 classification. Throws OutputError.
 template <class P>
 class BasicPcdWriter {
  public:
@@ -40,6 +40,10 @@ extern template class BasicPcdWriter<Point>;
 extern template class BasicPcdWriter<TimedPoint>;
 extern template class BasicPcdWriter<Classified<Point>>;
 extern template class BasicPcdWriter<Classified<TimedPoint>>;
+extern template class BasicPcdWriter<Colored<Point, PcdColor>>;
+extern template class BasicPcdWriter<Colored<TimedPoint, PcdColor>>;
+extern template class BasicPcdWriter<Classified<Colored<Point, PcdColor>>>;
+extern template class BasicPcdWriter<Classified<Colored<TimedPoint, PcdColor>>>;
 using PcdWriter = BasicPcdWriter<Point>;
 using TimedPcdWriter = BasicPcdWriter<TimedPoint>;
 

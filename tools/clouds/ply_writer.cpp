@@ -37,6 +37,9 @@ BasicPlyWriter<P>::BasicPlyWriter(std::filesystem::path path,
   if constexpr (kHasTime<P>) {
     file_.write("property double time\nproperty ushort ring\n");
   }
+  if constexpr (kHasColor<P>) {
+    file_.write("property uchar red\nproperty uchar green\nproperty uchar blue\n");
+  }
   if constexpr (kHasClass<P>) {
     file_.write("property uchar classification\n");
   }
@@ -72,5 +75,9 @@ template class BasicPlyWriter<Point>;
 template class BasicPlyWriter<TimedPoint>;
 template class BasicPlyWriter<Classified<Point>>;
 template class BasicPlyWriter<Classified<TimedPoint>>;
+template class BasicPlyWriter<Colored<Point, PlyColor>>;
+template class BasicPlyWriter<Colored<TimedPoint, PlyColor>>;
+template class BasicPlyWriter<Classified<Colored<Point, PlyColor>>>;
+template class BasicPlyWriter<Classified<Colored<TimedPoint, PlyColor>>>;
 
 }  // namespace adit

@@ -15,9 +15,9 @@
 namespace adit {
 
 /// Writes a cloud of any length as a binary little-endian PLY, as the points come: float x y z
-/// intensity, of TimedPoints also double time and ushort ring, of classified points also uchar
-/// classification. The file is a valid PLY of the points so far after the constructor, flush() and
-/// close(). Throws OutputError.
+/// intensity, of TimedPoints also double time and ushort ring, of points with a colour also uchar
+/// red, green and blue, of classified points also uchar classification. The file is a valid PLY of
+/// the points so far after the constructor, flush() and close(). Throws OutputError.
 template <class P>
 class BasicPlyWriter {
  public:
@@ -44,6 +44,10 @@ extern template class BasicPlyWriter<Point>;
 extern template class BasicPlyWriter<TimedPoint>;
 extern template class BasicPlyWriter<Classified<Point>>;
 extern template class BasicPlyWriter<Classified<TimedPoint>>;
+extern template class BasicPlyWriter<Colored<Point, PlyColor>>;
+extern template class BasicPlyWriter<Colored<TimedPoint, PlyColor>>;
+extern template class BasicPlyWriter<Classified<Colored<Point, PlyColor>>>;
+extern template class BasicPlyWriter<Classified<Colored<TimedPoint, PlyColor>>>;
 using PlyWriter = BasicPlyWriter<Point>;
 using TimedPlyWriter = BasicPlyWriter<TimedPoint>;
 

@@ -35,6 +35,8 @@ template <class P>
 P packed(const CloudPoint& point, const Eigen::Vector3f& p) {
   if constexpr (kHasClass<P>) {
     return {packed<decltype(P::point)>(point, p), static_cast<uint8_t>(class_of(point))};
+  } else if constexpr (kHasColor<P>) {
+    return {packed<decltype(P::point)>(point, p), decltype(P::color)::of(point.color)};
   } else if constexpr (kHasTime<P>) {
     return {.x = p.x(),
             .y = p.y(),
@@ -96,11 +98,12 @@ LasHeading las_heading(const CloudHeading& heading) {
   return {.software = "adit " + std::string(version()),
           .wkt = heading.wkt,
           .offset = heading.offset,
-          .unix_times = heading.unix_times};
+          .unix_times = heading.unix_times,
+          .colored = heading.colored};
 }
 
 /// Of BasicPlyWriter or BasicPcdWriter, for the points that the heading says.
-template <template <class> class Writer>
+template <template <class> class Writer, class Color>
 std::unique_ptr<CloudProduct> make_single(const std::filesystem::path& file,
                                           const CloudHeading& heading) {
   const auto make = [&]<class P>(P) -> std::unique_ptr<CloudProduct> {
@@ -109,7 +112,10 @@ std::unique_ptr<CloudProduct> make_single(const std::filesystem::path& file,
     }
     return std::make_unique<SingleProduct<Writer<P>, P>>(file, heading);
   };
-  return heading.measured ? make(TimedPoint{}) : make(Point{});
+  const auto with_color = [&]<class P>(P point) {
+    return heading.colored ? make(Colored<P, Color>{}) : make(point);
+  };
+  return heading.measured ? with_color(TimedPoint{}) : with_color(Point{});
 }
 
 /// LasWriter or CopcWriter.
@@ -134,7 +140,8 @@ class LasProduct final : public CloudProduct {
            .classification = class_of(point),
            .source = static_cast<uint16_t>(std::clamp<SessionId>(point.session, 0, 65535)),
            .ring = point.ring,
-           .keyframe = static_cast<uint32_t>(point.keyframe)});
+           .keyframe = static_cast<uint32_t>(point.keyframe),
+           .color = point.color});
     }
     writer_.write(las_);
   }
@@ -184,11 +191,11 @@ std::unique_ptr<CloudProduct> make_cloud_product(const std::filesystem::path& fi
     case CloudFormat::copc:
       return std::make_unique<LasProduct<CopcWriter>>(file, las_heading(heading));
     case CloudFormat::ply:
-      return make_single<BasicPlyWriter>(file, heading);
+      return make_single<BasicPlyWriter, PlyColor>(file, heading);
     case CloudFormat::pcd:
       break;
   }
-  return make_single<BasicPcdWriter>(file, heading);
+  return make_single<BasicPcdWriter, PcdColor>(file, heading);
 }
 
 }  // namespace adit

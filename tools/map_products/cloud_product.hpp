@@ -34,6 +34,7 @@ struct CloudHeading {
   bool measured = false;  ///< intensity, ring and time are those of returns: PLY and PCD have them
   bool unix_times = false;  ///< stamps are; of LAS
   bool classified = false;  ///< classes were looked for: PLY and PCD have them
+  bool colored = false;  ///< points have colours: PLY and PCD as well as the LAS family have them
 };
 /// That of a cloud in these coordinates.
 CloudHeading heading_of(const ProductCoordinates& coordinates);

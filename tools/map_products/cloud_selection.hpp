@@ -4,6 +4,7 @@
 // Points of a map on their way into products, and which of them are wanted.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -32,6 +33,7 @@ struct CloudPoint {
   bool moving = false;  ///< other sweeps or submaps saw through it
   /// Ground or noise, as far as it is looked for.
   LasClass classification = LasClass::unclassified;
+  std::array<uint8_t, 3> color{};  ///< red, green, blue; black where no camera saw it
 };
 /// Low or high noise.
 bool is_noise(LasClass one);
