@@ -17,6 +17,7 @@
 #include "adit/tools/cli/command_line.hpp"
 #include "adit/tools/cli/shared_options.hpp"
 #include "adit/tools/commands/export_class_options.hpp"
+#include "adit/tools/commands/export_color_options.hpp"
 #include "adit/tools/commands/export_plan_options.hpp"
 #include "adit/tools/export/export_cloud.hpp"
 #include "adit/tools/export/export_contours.hpp"
@@ -119,9 +120,11 @@ void check_selection(const ExportCommandOptions& options) {
     throw UsageError("--without-gone is for points: --cloud, --dense, --tiles, --raster, plans.");
   }
   const bool finds_moving = options.find_moving || !options.clean.empty();
-  if (!finds_moving && (!options.device.device.empty() || options.device.validation ||
-                        options.device.max_vram_bytes > 0)) {
-    throw UsageError("--device, --max-vram and --validation need --find-moving or --clean.");
+  if (!finds_moving && !options.color &&
+      (!options.device.device.empty() || options.device.validation ||
+       options.device.max_vram_bytes > 0)) {
+    throw UsageError(
+        "--device, --max-vram and --validation need --find-moving, --clean or --color.");
   }
   if (options.without_moving && (!options.raster.empty() || is_plan(options))) {
     throw UsageError("--without-moving: rasters and plans leave out what moves anyway.");
@@ -170,7 +173,8 @@ void check_inputs(const ExportCommandOptions& options) {
     }
   }
   for (const fs::path& file : written) {
-    for (const auto& input : {std::optional(options.map), options.recording, options.polygon}) {
+    for (const auto& input :
+         {std::optional(options.map), options.recording, options.polygon, options.calibration}) {
       keep_input("-o", file, input.value_or(fs::path()));
     }
   }
@@ -221,6 +225,7 @@ void check_options(const ExportCommandOptions& options) {
   check_rasters(options);
   check_plan_options(options);
   check_class_options(options);
+  check_color_options(options);
   check_frames(options);
   check_selection(options);
   check_inputs(options);
@@ -351,6 +356,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
       "  adit export out --cloud las --find-moving --without-moving -o static.las\n"
       "  adit export out --cloud laz --classify --clean mark -o classes.laz\n"
       "  adit export out --dense ply -o dense.ply\n"
+      "  adit export out --dense laz --color -o colors.laz\n"
       "  adit export out --tiles 20 -o autoware\n"
       "  adit export out --raster height --cell 0.5 -o height.tif\n"
       "  adit export out --grid -o grid.yaml\n"
@@ -384,6 +390,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
       .option("--recording", options->recording,
               "Where the recording of a dense cloud is, if not where it was mapped")
       .value_name("REC");
+  add_color_options(command, *options);
   command.option("--resolution", options->resolution, "One point of the cloud a voxel of this (m)")
       .value_name("M");
   command

@@ -10,30 +10,19 @@
 #include <fmt/core.h>
 
 #include "adit/tools/clouds/las_writer.hpp"
+#include "adit/tools/coloring/map_coloring.hpp"
 #include "adit/tools/export/cloud_classes.hpp"
-#include "adit/tools/map_database/map_trajectory.hpp"
+#include "adit/tools/export/dense_recording.hpp"
 #include "adit/tools/map_products/cloud_product.hpp"
 #include "adit/tools/map_products/dense_cloud.hpp"
 #include "adit/tools/map_products/tile_folder.hpp"
 #include "adit/tools/map_products/tiled_cloud.hpp"
 #include "adit/tools/map_products/trajectory_products.hpp"
-#include "adit/tools/recordings/merged_sweeps.hpp"
-#include "adit/tools/recordings/one_sensor.hpp"
-#include "adit/tools/recordings/tolerant_recording.hpp"
-#include "adit/tools/recordings/topic_survey.hpp"
-#include "adit/tools/results/kept_inputs.hpp"
-#include "adit/tools/run/earlier_run.hpp"
-#include "adit/tools/run/run_options.hpp"
-#include "adit/tools/setup/config_file.hpp"
-#include "adit/tools/setup/configured_recording.hpp"
-#include "adit/tools/setup/sensor_topics.hpp"
+#include "adit/tools/setup/device_session.hpp"
 #include "adit/tools/support/progress.hpp"
-#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {
-
-namespace fs = std::filesystem;
 
 bool has_unix_times(const MapDatabase& map) {
   const std::vector<MapKeyframe> keyframes = map.keyframes();
@@ -49,21 +38,36 @@ std::string times_of(CloudFormat format, const CloudHeading& heading) {
                               : ", in the recording's own time";
 }
 
-/// What a session's provenance tells under a name.
-std::optional<std::string> provenance(const MapSession& session, const std::string& name) {
-  for (const auto& [key, value] : session.provenance) {
-    if (key == name) {
-      return value;
-    }
-  }
-  return std::nullopt;
-}
+/// What colours the points of a dense cloud; nothing where none are wanted.
+struct Painter {
+  explicit Painter(const ExportJob& job, const DenseRecording& recording)
+      : cameras(recording.cameras()),
+        device(with_notes(job)),
+        coloring(*job.map, device.context(), cameras, recording.path(),
+                 job.memory->submap_bytes()) {}
 
-/// The keyframe of each sweep, in the order of stamps.
-std::vector<MapSweep> sweeps_by_stamp(const MapDatabase& map) {
-  std::vector<MapSweep> sweeps = map_path(map, {}).sweeps;
-  std::ranges::stable_sort(sweeps, {}, &MapSweep::stamp);
-  return sweeps;
+  static DeviceOptions with_notes(const ExportJob& job) {
+    DeviceOptions wanted = job.options->device;
+    wanted.notes = job.err;
+    return wanted;
+  }
+
+  std::vector<CameraSource> cameras;
+  DeviceSession device;
+  MapColoring coloring;
+};
+
+/// "; 93 % of the points have a colour, by 214 of 600 images of 1 camera".
+std::string text_of(const ColoringCounts& counts, std::size_t cameras) {
+  std::string text = fmt::format("; {:.0f} % of the points have a colour, by {} of {} images of {}",
+                                 100.0 * static_cast<double>(counts.colored) /
+                                     static_cast<double>(std::max<uint64_t>(1, counts.points)),
+                                 counts.views, counts.images,
+                                 cameras == 1 ? "1 camera" : fmt::format("{} cameras", cameras));
+  if (counts.damaged > 0) {
+    text += fmt::format("; {} images are damaged", counts.damaged);
+  }
+  return text;
 }
 
 }  // namespace
@@ -109,90 +113,41 @@ std::string export_cloud(const ExportJob& job) {
 
 std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordinates,
                         const CloudSelection& selection, const TakeCloud& take) {
-  const ExportCommandOptions& options = *job.options;
-  const std::vector<MapSession> sessions = job.map->sessions();
-  if (sessions.size() != 1) {
-    throw InputError(options.map, {}, "it holds " + std::to_string(sessions.size()) + " sessions",
-                     "A dense cloud is made of a map of one recording");
+  const DenseRecording recording(job);
+  std::optional<Painter> painter;
+  if (job.options->color) {
+    painter.emplace(job, recording);
   }
-  Config settings = parse_config(sessions.front().configuration, options.map);
-  settings.imu.use = false;  // sweeps alone are looked for
-  settings.gnss.use = false;
-  settings.velocity.use = false;
-  std::vector<fs::path> paths = recordings_of(sessions.front());
-  if (options.recording || paths.empty()) {
-    paths = {options.recording.value_or(fs::path())};
-  }
-  const fs::path& path = paths.front();
-  for (const fs::path& one : paths) {
-    keep_input("-o", *options.output, one);
-  }
-  const std::unique_ptr<Recording> recording = open_recording(paths, settings.recording);
-  const bool same = is_recording_of(sessions.front(), paths);
-  if (!same && !options.recording) {
-    throw InputError(path, {}, "it is not what the map was made of any more, by its content",
-                     "Name the recording that it was made of: --recording REC");
-  }
-  const std::optional<std::string> named = provenance(sessions.front(), "topic");
-  const std::size_t topic =
-      sweep_topic(*recording, path, named ? named : settings.recording.sweep_topic);
-  const std::vector<MapSweep> sweeps = sweeps_by_stamp(*job.map);
-  std::vector<StampedPose> poses;
-  poses.reserve(sweeps.size());
-  for (const MapSweep& sweep : sweeps) {
-    poses.push_back({.stamp = sweep.stamp, .pose = sweep.T_map_lidar});
-  }
-  Progress progress(*job.err, progress_style_of_stderr(), "export", poses.size());
-  const SensorPath sensor(std::move(poses));
+  Progress progress(*job.err, progress_style_of_stderr(), "export", recording.sweeps());
   std::size_t placed = 0;
-  std::size_t without_pose = 0;
-  std::size_t damaged = 0;
-  const auto whole = pass_over_damage(*recording, [&](const InputError&) { ++damaged; });
-  const RecordedSensors sensors = choose_sensors(*whole, topic, settings);
-  const OneSensorRecording mapped(*whole, sensors.frames);
-  const MergedRecording merged(mapped, sensors.sweeps, path);
-  const auto whole_merged = pass_over_damage(merged, [&](const InputError&) { ++damaged; });
-  const auto stream = whole_merged->events({.topics = {topic}});
-  while (const std::optional<Event> event = stream->next()) {
-    const auto& sweep = std::get<Sweep>(event->value);
-    const auto stretch = sensor.from(sweep.stamp);
-    if (!stretch) {
-      ++without_pose;
-      continue;
-    }
-    std::vector<CloudPoint> points = placed_points(sweep, *stretch);
-    const MapSweep& known = *std::ranges::lower_bound(sweeps, sweep.stamp, {}, &MapSweep::stamp);
+  std::string text = recording.visit([&](const Sweep& sweep, const SensorPath::Stretch& path,
+                                         const MapSweep& in_map) {
+    std::vector<CloudPoint> points = placed_points(sweep, path);
     std::erase_if(points, [&](const CloudPoint& point) {
-      return selection.is_gone && selection.is_gone(point.position, known.session);
+      return selection.is_gone && selection.is_gone(point.position, in_map.session);
     });
     for (CloudPoint& point : points) {
-      const Eigen::Vector3d in_map = point.position;
-      point.moving = has_moved(selection, in_map);
-      point.position = coordinates.from_map(in_map);
-      classify(selection, in_map, point);
-      point.keyframe = known.keyframe;
-      point.session = known.session;
+      point.moving = has_moved(selection, point.position);
+    }
+    if (painter) {
+      painter->coloring.color(points, path.at(0.0).translation());
+    }
+    for (CloudPoint& point : points) {
+      const Eigen::Vector3d p_map = point.position;
+      point.position = coordinates.from_map(p_map);
+      classify(selection, p_map, point);
+      point.keyframe = in_map.keyframe;
+      point.session = in_map.session;
     }
     std::erase_if(points, [&](const CloudPoint& point) { return !is_wanted(selection, point); });
     take(points);
-    ++placed;
-    progress.update(placed, 0);
+    progress.update(++placed, 0);
     require_within(job);
-  }
+  });
   progress.finish();
-  if (placed == 0) {
-    throw InputError(path, {}, "none of its sweeps is in the map",
-                     "Name the recording that the map is of: --recording REC");
-  }
-  std::string text = fmt::format("{} sweeps", placed);
-  if (!same) {
-    text += " of another file than the map was made of";
-  }
-  if (without_pose > 0) {
-    text += fmt::format("; {} sweeps have no pose in the map", without_pose);
-  }
-  if (damaged > 0) {
-    text += fmt::format("; {} places of the recording are damaged", damaged);
+  if (painter) {
+    painter->device.require_no_complaints();
+    text += text_of(painter->coloring.counts(), painter->cameras.size());
   }
   return text;
 }
@@ -204,6 +159,7 @@ std::string export_dense(const ExportJob& job) {
   const CloudClasses classes = find_classes(job, coordinates);
   ClassFilter filter(classes);
   heading.measured = true;
+  heading.colored = job.options->color;
   heading.classified = classes.any();
   heading.unix_times = has_unix_times(*job.map);
   std::unique_ptr<CloudProduct> product;  // of another recording nothing is written

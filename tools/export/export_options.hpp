@@ -23,7 +23,10 @@ struct ExportCommandOptions {
   std::string cloud{};                               ///< ply, pcd, las, laz, copc
   std::string dense{};                               ///< ply, pcd, las, laz, copc
   std::optional<std::filesystem::path> recording{};  ///< for dense; none: that of the map
-  std::optional<double> resolution{};                ///< m, one point of the cloud a voxel
+  bool color = false;                                ///< of dense: by the images of cameras
+  std::vector<std::string> cameras{};                ///< topics of images; empty: all
+  std::optional<std::filesystem::path> calibration{};  ///< a file of cameras
+  std::optional<double> resolution{};                  ///< m, one point of the cloud a voxel
   bool picture = false;
   bool dump = false;
   uint64_t max_ram_bytes = 0;        ///< that may be resident; 0: no limit

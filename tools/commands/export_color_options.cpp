@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/export_color_options.hpp"
+
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+
+void check_color_options(const ExportCommandOptions& options) {
+  if (options.color && options.dense.empty()) {
+    throw UsageError("--color is for --dense: the points of submaps are means of many.");
+  }
+  if (!options.color && (!options.cameras.empty() || options.calibration)) {
+    throw UsageError("--camera and --calibration need --color.");
+  }
+}
+
+void add_color_options(const Command& command, ExportCommandOptions& options) {
+  command.flag("--color", options.color,
+               "Points get the colours of the recording's camera images; black where none sees "
+               "them");
+  command
+      .option("--camera", options.cameras,
+              "A topic of images to use, again for more; otherwise all that have a calibration")
+      .value_name("TOPIC");
+  command
+      .option("--calibration", options.calibration,
+              "A file of cameras: where they are mounted, their lenses, folders of images (TOML, "
+              "Kalibr's camchain, OpenCV's YAML)")
+      .value_name("FILE");
+}
+
+}  // namespace adit
