@@ -30,7 +30,7 @@ GROUPS = [
     "slam/core", "slam/inertial", "slam/registration", "slam/fusion", "slam/odometry", "slam/graph",
     "slam/submaps", "slam/gnss", "slam/loops", "slam/mapping", "slam/executor",
     "tools/support", "tools/drawing", "tools/clouds", "tools/containers", "tools/packets", "tools/recordings",
-    "tools/topics", "tools/results", "tools/simulator", "tools/map_database", "tools/map_products", "tools/plans",
+    "tools/cameras", "tools/topics", "tools/results", "tools/simulator", "tools/map_database", "tools/map_products", "tools/plans",
     "tools/map_edits",
     "tools/foxglove", "tools/viewer", "tools/setup", "tools/report", "tools/run", "tools/map_merge",
     "tools/map_changes", "tools/dds",
