@@ -36,9 +36,12 @@ class ImageSeries {
 struct CameraSource {
   std::string name;   ///< for people: the topic, or what its file calls it
   CameraModel model;  ///< of the images
-  std::string frame;  ///< of the transforms; empty: `T_lidar_camera` is known
+  std::string frame;  ///< of the transforms; empty: unknown
   /// Where it is mounted, from its optical frame; none: by the recording's transforms of `frame`.
   std::optional<Eigen::Isometry3d> T_lidar_camera{};
+  /// Where it is mounted against the inertial sensor, of calibrations that relate it to that one
+  /// (Kalibr's); none: by the above.
+  std::optional<Eigen::Isometry3d> T_imu_camera{};
   double time_offset = 0.0;  ///< s that images were taken after their stamps
   std::shared_ptr<const ImageSeries> images;
 };

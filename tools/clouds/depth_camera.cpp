@@ -14,9 +14,9 @@ DepthCamera::DepthCamera(const CameraModel& model) : model_(model) {
   for (std::size_t v = 0; v < model.height; ++v) {
     for (std::size_t u = 0; u < model.width; ++u) {
       const auto ray = projection.ray({static_cast<double>(u), static_cast<double>(v)});
-      rays_.push_back(ray ? std::array{static_cast<float>(ray->x() / ray->z()),
-                                       static_cast<float>(ray->y() / ray->z())}
-                          : std::array{kNone, kNone});
+      rays_.push_back(ray && ray->z() > 0.0 ? std::array{static_cast<float>(ray->x() / ray->z()),
+                                                         static_cast<float>(ray->y() / ray->z())}
+                                            : std::array{kNone, kNone});
     }
   }
 }

@@ -23,7 +23,7 @@ class DepthCamera {
 
   /// One point a pixel, row by row, in the camera's optical frame (x right, y down, z forward; m).
   /// `depths` are distances along z, m; what is not a positive number gives (0, 0, 0), no return,
-  /// as do pixels that the distortion leaves without a ray.
+  /// as do pixels without a ray, and those of a fisheye that look sideways or back.
   std::vector<Point> points(std::span<const float> depths) const;
 
  private:

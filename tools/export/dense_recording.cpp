@@ -7,7 +7,6 @@
 
 #include <fmt/core.h>
 
-#include "adit/tools/map_database/map_trajectory.hpp"
 #include "adit/tools/recordings/merged_sweeps.hpp"
 #include "adit/tools/recordings/one_sensor.hpp"
 #include "adit/tools/recordings/tolerant_recording.hpp"

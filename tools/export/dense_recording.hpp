@@ -13,6 +13,7 @@
 #include "adit/tools/cameras/find_cameras.hpp"
 #include "adit/tools/export/export_job.hpp"
 #include "adit/tools/map_products/dense_cloud.hpp"
+#include "adit/tools/map_products/trajectory_products.hpp"
 #include "adit/tools/recordings/recording.hpp"
 
 namespace adit {

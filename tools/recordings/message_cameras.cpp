@@ -16,7 +16,7 @@ namespace {
 template <class Message, class Take>
 void with_first(const MessageFile& file, std::size_t channel, Take&& take) {
   try {
-    const auto stream = file.messages({.channels = {channel}});
+    const auto stream = file.messages({.channels = {channel}, .by_index = true});
     if (const std::optional<RawMessage> raw = stream->next()) {
       take(ros::decode<Message>(file.channels()[channel].encoding, raw->bytes));
     }
@@ -27,30 +27,50 @@ void with_first(const MessageFile& file, std::size_t channel, Take&& take) {
   }
 }
 
-std::optional<CameraModel> find_model(const std::vector<const MessageFile*>& files,
-                                      std::string_view topic, bool rectified) {
-  std::optional<CameraModel> model;
+}  // namespace
+
+std::string_view without_transport(std::string_view images) {
+  constexpr std::string_view kTransport = "/compressed";
+  if (images.ends_with(kTransport)) {
+    images.remove_suffix(kTransport.size());
+  }
+  return images;
+}
+
+std::string camera_info_topic(std::string_view images) {
+  const std::string_view plain = without_transport(images);
+  return std::string(plain.substr(0, plain.rfind('/') + 1)) + "camera_info";
+}
+
+bool is_rectified(std::string_view images) {
+  const std::string_view plain = without_transport(images);
+  return plain.find("rect", plain.rfind('/') + 1) != std::string_view::npos;
+}
+
+std::optional<ros::CameraInfo> find_camera_info(const std::vector<const MessageFile*>& files,
+                                                std::string_view topic) {
+  std::optional<ros::CameraInfo> found;
   for (const MessageFile* file : files) {
-    for (std::size_t i = 0; i < file->channels().size() && !model; ++i) {
+    for (std::size_t i = 0; i < file->channels().size() && !found; ++i) {
       const Channel& channel = file->channels()[i];
       if (channel.topic == topic && channel.type == ros::CameraInfo::kType) {
-        with_first<ros::CameraInfo>(*file, i, [&](const ros::CameraInfo& info) {
-          model = ros::to_camera(info, rectified);
-        });
+        with_first<ros::CameraInfo>(*file, i, [&](const ros::CameraInfo& info) { found = info; });
       }
     }
   }
-  return model;
+  return found;
 }
-
-}  // namespace
 
 std::unique_ptr<DepthCamera> find_depth_camera(const MessageFile& file, std::size_t channel,
                                                const std::vector<const MessageFile*>& files) {
   const std::string& topic = file.channels()[channel].topic;
-  const std::string space = topic.substr(0, topic.rfind('/') + 1);
-  const bool rectified = topic.find("rect", space.size()) != std::string::npos;
-  const std::optional<CameraModel> model = find_model(files, space + "camera_info", rectified);
+  const std::optional<ros::CameraInfo> info = find_camera_info(files, camera_info_topic(topic));
+  std::optional<CameraModel> model;
+  try {
+    model = info ? std::optional(ros::to_camera(*info, is_rectified(topic))) : std::nullopt;
+  } catch (const ros::CodecError&) {
+    return nullptr;  // not calibrated
+  }
   std::unique_ptr<DepthCamera> camera;
   if (model) {
     with_first<ros::Image>(file, channel, [&](const ros::Image& image) {

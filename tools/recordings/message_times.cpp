@@ -21,7 +21,7 @@ bool begins_with_header(const Channel& channel) {
     case TopicKind::other:
       break;
   }
-  return channel.type == ros::Image::kType;
+  return channel.type == ros::Image::kType || channel.type == ros::CompressedImage::kType;
 }
 
 }  // namespace

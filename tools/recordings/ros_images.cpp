@@ -13,7 +13,7 @@
 namespace adit::ros {
 namespace {
 
-constexpr uint32_t kMostPixels = 4096;  // in each direction
+constexpr uint32_t kMostPixels = 16384;  // in each direction
 
 std::string size_text(std::size_t width, std::size_t height) {
   return std::to_string(width) + " x " + std::to_string(height);
@@ -28,6 +28,25 @@ T number_at(const std::byte* bytes, bool swap) {
     std::ranges::reverse(raw);
   }
   return std::bit_cast<T>(raw);
+}
+
+/// The lens of the raw images, by the model's name.
+void take_distortion(CameraModel& model, const CameraInfo& info) {
+  const bool fisheye = info.distortion_model == "equidistant" || info.distortion_model == "fisheye";
+  const bool perspective =
+      info.distortion_model == "plumb_bob" || info.distortion_model == "rational_polynomial";
+  model.lens = fisheye ? Lens::fisheye : Lens::perspective;
+  if (std::ranges::all_of(info.d, [](double number) { return number == 0.0; })) {
+    return;
+  }
+  if (!(fisheye && info.d.size() == 4) &&
+      !(perspective && info.d.size() <= model.distortion.size())) {
+    throw CodecError("the camera's distortion model '" + info.distortion_model + "' with " +
+                     std::to_string(info.d.size()) +
+                     " numbers is not known: plumb_bob, rational_polynomial and equidistant are; "
+                     "rectified images need none");
+  }
+  std::ranges::copy(info.d, model.distortion.begin());
 }
 
 }  // namespace
@@ -55,18 +74,7 @@ CameraModel to_camera(const CameraInfo& info, bool rectified) {
     model.fy = info.k[4];
     model.cx = info.k[2];
     model.cy = info.k[5];
-    const bool none = std::ranges::all_of(info.d, [](double number) { return number == 0.0; });
-    const bool known =
-        info.distortion_model == "plumb_bob" || info.distortion_model == "rational_polynomial";
-    if (!none && (!known || info.d.size() > model.distortion.size())) {
-      throw CodecError("the camera's distortion model '" + info.distortion_model + "' with " +
-                       std::to_string(info.d.size()) +
-                       " numbers is not known: plumb_bob and rational_polynomial are; rectified "
-                       "images need none");
-    }
-    if (!none) {
-      std::ranges::copy(info.d, model.distortion.begin());
-    }
+    take_distortion(model, info);
   }
   const uint32_t across = std::max(info.binning_x, 1U);
   const uint32_t down = std::max(info.binning_y, 1U);
@@ -86,7 +94,7 @@ CameraModel to_camera(const CameraInfo& info, bool rectified) {
   if (model.width == 0 || model.height == 0 || model.width > kMostPixels ||
       model.height > kMostPixels) {
     throw CodecError("the camera has " + size_text(model.width, model.height) +
-                     " pixels; expected 1 to 4096 in each direction");
+                     " pixels; expected 1 to 16384 in each direction");
   }
   return model;
 }

@@ -17,8 +17,8 @@ bool is_depth(const Image& image);
 bool is_whole_depth(const Image& image);
 
 /// The model of a camera's raw images, or of rectified ones, which have no distortion. Knows the
-/// models plumb_bob and rational_polynomial, regions of interest and binning. Throws CodecError for
-/// other models and where the numbers make no sense.
+/// models plumb_bob, rational_polynomial and equidistant (also called fisheye), regions of interest
+/// and binning. Throws CodecError for other models and where the numbers make no sense.
 CameraModel to_camera(const CameraInfo& info, bool rectified);
 
 /// The points that a depth image shows, in the camera's optical frame. Throws CodecError where it

@@ -235,6 +235,13 @@ struct Image {
   std::span<const std::byte> data;  ///< a view of the message that was read
 };
 
+struct CompressedImage {
+  static constexpr std::string_view kType = "sensor_msgs/CompressedImage";
+  Header header;
+  std::string format;               ///< "jpeg", "png", "rgb8; jpeg compressed bgr8" ...
+  std::span<const std::byte> data;  ///< a view of the message that was read
+};
+
 struct CameraInfo {
   static constexpr std::string_view kType = "sensor_msgs/CameraInfo";
   Header header;

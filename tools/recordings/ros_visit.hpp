@@ -208,6 +208,13 @@ void visit(Archive& archive, IsA<Image> auto& image) {
 }
 
 template <class Archive>
+void visit(Archive& archive, IsA<CompressedImage> auto& image) {
+  visit(archive, image.header);
+  archive(image.format);
+  archive.blob(image.data);
+}
+
+template <class Archive>
 void visit(Archive& archive, IsA<CameraInfo> auto& info) {
   visit(archive, info.header);
   archive(info.height, info.width, info.distortion_model);
