@@ -10,7 +10,7 @@
 namespace adit {
 namespace {
 
-constexpr uint64_t kMostBytes = uint64_t{512} << 20U;  // of views that stay
+constexpr uint64_t kMostViewBytes = uint64_t{512} << 20U;  // of views that stay
 // Of a sweep, points by which views are chosen; and views that each of them may need: as many as a
 // colour is made of, and as many again, since some are hidden.
 constexpr std::size_t kSamples = 128;
@@ -117,7 +117,7 @@ MapColoring::View MapColoring::view(std::size_t number) {
     return kept.view ? kept.view->image.size() + kept.view->depth.size() : 0;
   };
   kept_bytes_ += bytes(kept_.front());
-  while (kept_bytes_ > kMostBytes && kept_.size() > 1) {
+  while (kept_bytes_ > kMostViewBytes && kept_.size() > 1) {
     kept_bytes_ -= bytes(kept_.back());
     places_.erase(kept_.back().number);
     kept_.pop_back();

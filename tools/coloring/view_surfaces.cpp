@@ -11,8 +11,8 @@
 namespace adit {
 namespace {
 
-constexpr double kTile = 32.0;                         // m: a view looks at a few
-constexpr uint64_t kMostBytes = uint64_t{128} << 20U;  // of surfaces that stay
+constexpr double kTile = 32.0;                                // m: a view looks at a few
+constexpr uint64_t kMostSurfaceBytes = uint64_t{128} << 20U;  // of surfaces that stay
 
 double spacing_of(const MapDatabase& map, SubmapCache& submaps) {
   const std::vector<MapKeyframe> keyframes = map.keyframes();
@@ -56,7 +56,7 @@ std::shared_ptr<const ViewColoring::Surfaces> ViewSurfaces::tile(const TileNumbe
     return kept.surfaces ? kept.surfaces->elements.size() : 0;
   };
   kept_bytes_ += bytes(kept_.front());
-  while (kept_bytes_ > kMostBytes && kept_.size() > 1) {
+  while (kept_bytes_ > kMostSurfaceBytes && kept_.size() > 1) {
     kept_bytes_ -= bytes(kept_.back());
     places_.erase(kept_.back().number);
     kept_.pop_back();
