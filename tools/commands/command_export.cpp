@@ -124,7 +124,7 @@ void check_selection(const ExportCommandOptions& options) {
       (!options.device.device.empty() || options.device.validation ||
        options.device.max_vram_bytes > 0)) {
     throw UsageError(
-        "--device, --max-vram and --validation need --find-moving, --clean or --color.");
+        "--device, --max-vram and --validation need --find-moving, --clean or --colorize.");
   }
   if (options.without_moving && (!options.raster.empty() || is_plan(options))) {
     throw UsageError("--without-moving: rasters and plans leave out what moves anyway.");
@@ -356,7 +356,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
       "  adit export out --cloud las --find-moving --without-moving -o static.las\n"
       "  adit export out --cloud laz --classify --clean mark -o classes.laz\n"
       "  adit export out --dense ply -o dense.ply\n"
-      "  adit export out --dense laz --color -o colors.laz\n"
+      "  adit export out --dense laz --colorize -o colors.laz\n"
       "  adit export out --tiles 20 -o autoware\n"
       "  adit export out --raster height --cell 0.5 -o height.tif\n"
       "  adit export out --grid -o grid.yaml\n"

@@ -8,15 +8,15 @@ namespace adit {
 
 void check_color_options(const ExportCommandOptions& options) {
   if (options.color && options.dense.empty()) {
-    throw UsageError("--color is for --dense: the points of submaps are means of many.");
+    throw UsageError("--colorize is for --dense: the points of submaps are means of many.");
   }
   if (!options.color && (!options.cameras.empty() || options.calibration)) {
-    throw UsageError("--camera and --calibration need --color.");
+    throw UsageError("--camera and --calibration need --colorize.");
   }
 }
 
 void add_color_options(const Command& command, ExportCommandOptions& options) {
-  command.flag("--color", options.color,
+  command.flag("--colorize", options.color,
                "Points get the colours of the recording's camera images; black where none sees "
                "them");
   command
