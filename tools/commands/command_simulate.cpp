@@ -297,9 +297,8 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
   command.flag("--visual-odometry", simulation.visual_odometry,
                "Poses of a camera's odometry, whose scale drifts, on /visual_odometry");
   command
-      .option(
-          "--camera", options->cameras,
-          "A camera that looks there, with images on /camera_NAME/image_raw; may be given again")
+      .option("--camera", options->cameras,
+              "A camera, with images on /camera_NAME/image_raw; may be given again")
       .one_value_each()
       .value_name("NAME[:LENS]")
       .suggest(camera_names());

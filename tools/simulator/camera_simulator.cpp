@@ -92,7 +92,7 @@ SurfaceColor CameraSimulator::seen(const Moment& moment, const Vector3d& directi
     }
     gone += kBehind;
   }
-  return kSkyColor;
+  return kColorOfSky;
 }
 
 }  // namespace adit

@@ -12,9 +12,9 @@ namespace {
 // six of them, and the points of a map are placed better than that.
 constexpr double kFeature = 0.5;       // m
 constexpr double kFineFeature = 0.15;  // m
-// The pattern only darkens, so no channel is cut off at 255: from 0.24 to all of the material's.
-constexpr double kMiddle = 0.62;
-constexpr double kTint = 0.28;      // of each channel
+// The pattern only darkens, so no channel is cut off at 255: from 0.32 to all of the material's.
+constexpr double kMiddle = 0.66;
+constexpr double kTint = 0.24;      // of each channel
 constexpr double kFineTint = 0.10;  // of all three
 
 /// The pattern is another one than that of a scene's uneven surfaces, which have the same seed.

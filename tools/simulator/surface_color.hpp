@@ -15,7 +15,7 @@ namespace adit {
 using SurfaceColor = std::array<uint8_t, 3>;
 
 /// What a camera sees where there is no surface.
-inline constexpr SurfaceColor kSkyColor{158, 196, 236};
+inline constexpr SurfaceColor kColorOfSky{158, 196, 236};
 
 /// The colour of a surface at a position (m) of the frame that the surface is fixed in. It is the
 /// material's colour times a smooth pattern with features of 0.5 m, of each channel by itself, and
