@@ -112,16 +112,21 @@ std::optional<Eigen::Vector2d> CameraProjection::pixel(const Eigen::Vector3d& po
   return Eigen::Vector2d(camera_.fx * seen.x() + camera_.cx, camera_.fy * seen.y() + camera_.cy);
 }
 
+std::optional<double> CameraProjection::angle(const Eigen::Vector2d& pixel) const {
+  const Ray seen((pixel.x() - camera_.cx) / camera_.fx, (pixel.y() - camera_.cy) / camera_.fy);
+  return fisheye_angle(seen.norm(), widest_, camera_.distortion);
+}
+
 std::optional<Eigen::Vector3d> CameraProjection::ray(const Eigen::Vector2d& pixel) const {
   const Ray seen((pixel.x() - camera_.cx) / camera_.fx, (pixel.y() - camera_.cy) / camera_.fy);
   if (camera_.lens == Lens::fisheye) {
     const double radius = seen.norm();
-    const std::optional<double> angle = fisheye_angle(radius, widest_, camera_.distortion);
-    if (!angle) {
+    const std::optional<double> to_axis = angle(pixel);
+    if (!to_axis) {
       return std::nullopt;
     }
-    const Ray aside = radius > 0.0 ? Ray(seen * (std::sin(*angle) / radius)) : Ray(0.0, 0.0);
-    return Eigen::Vector3d(aside.x(), aside.y(), std::cos(*angle));
+    const Ray aside = radius > 0.0 ? Ray(seen * (std::sin(*to_axis) / radius)) : Ray(0.0, 0.0);
+    return Eigen::Vector3d(aside.x(), aside.y(), std::cos(*to_axis));
   }
   const bool distorts =
       std::ranges::any_of(camera_.distortion, [](double number) { return number != 0.0; });

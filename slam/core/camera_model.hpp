@@ -52,6 +52,9 @@ class CameraProjection {
   /// where the lens does not see in that direction.
   std::optional<Eigen::Vector2d> pixel(const Eigen::Vector3d& point) const;
 
+  /// The angle (rad) to the axis of what a fisheye shows at a pixel. None where it shows nothing.
+  std::optional<double> angle(const Eigen::Vector2d& pixel) const;
+
   /// The direction of what a pixel shows, unit length. None where the lens has no ray for it.
   std::optional<Eigen::Vector3d> ray(const Eigen::Vector2d& pixel) const;
 

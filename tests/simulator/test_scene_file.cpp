@@ -92,6 +92,30 @@ TEST_F(SceneFileTest, NamesTheLineThatIsWrong) {
   expect_refused("seed = 1\n\u00b2\n", "line 2, column 1", "TOML");
 }
 
+TEST_F(SceneFileTest, CamerasAreWhereTheirNameOrTheFileSays) {
+  const SimulationOptions options = read(
+      "[[camera]]\nname = 'left'\nlens = 'fisheye'\nrate = 10\n"
+      "[[camera]]\nname = 'back'\nposition = [1, 2, 3]\nyaw_pitch_roll = [90, 0, 0]\n");
+  ASSERT_EQ(options.cameras.size(), 2U);
+  const CameraOptions& left = options.cameras[0];
+  EXPECT_EQ(left.name, "left");
+  EXPECT_EQ(left.lens, "fisheye");
+  EXPECT_EQ(left.rate, 10);
+  EXPECT_TRUE(left.T_imu_camera.isApprox(camera_named("left").T_imu_camera));
+  const CameraOptions& back = options.cameras[1];
+  EXPECT_EQ(back.lens, "perspective");
+  EXPECT_EQ(back.rate, CameraOptions{}.rate);
+  EXPECT_TRUE(back.T_imu_camera.translation().isApprox(Eigen::Vector3d(1.0, 2.0, 3.0)));
+  EXPECT_TRUE(back.T_imu_camera.linear().col(2).isApprox(Eigen::Vector3d::UnitY()))
+      << "the file's rotation, not its name's";
+  EXPECT_TRUE(read(scene_file_example()).cameras.empty());
+  expect_refused("[[camera]]\nname = 'lef'\n", "line 2, column 8", "'left'");
+  expect_refused("[[camera]]\nlens = 'fish'\n", "line 2, column 8", "there is no lens 'fish'");
+  expect_refused("[[camera]]\nrate = 0\n", "line 2, column 8", "is 0 Hz");
+  expect_refused("[[camera]]\n[[camera]]\n", "line 2, column 1", "two cameras 'front'");
+  expect_refused("faults = ['camera-late']\n", "line 1, column 10", "is one of the cameras");
+}
+
 TEST_F(SceneFileTest, NumbersThatMakeNoSenseAreNamedWithTheirLine) {
   for (const char* wrong : {"nan", "inf", "-inf"}) {
     const std::string vector = std::string("[") + wrong + ", 0, 0]\n";

@@ -88,6 +88,7 @@ TEST_F(SimulationTest, ACheckpointEndsItAnywhereAndChangesNoByte) {
   struct Stop {};
   SimulationOptions simulation = options("a");
   simulation.picture = true;
+  simulation.cameras = {camera_named("front")};
   simulate(simulation, {});
   simulation.output = options("b").output;
   std::size_t passed = 0;

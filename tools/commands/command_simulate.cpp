@@ -49,6 +49,28 @@ std::string sensors_of(const SimulationOptions& options) {
   return text;
 }
 
+std::vector<CameraOptions> cameras_of(const SimulateCommandOptions& command) {
+  std::vector<CameraOptions> cameras;
+  for (const std::string& text : command.cameras) {
+    try {
+      cameras.push_back(camera_named(text));
+    } catch (const UsageError& error) {
+      throw UsageError(std::string("--camera: ") + error.what());
+    }
+    cameras.back().rate = command.camera_rate.value_or(cameras.back().rate);
+  }
+  return cameras;
+}
+
+std::string cameras_text(const SimulationOptions& options, const SimulationSummary& summary) {
+  std::string text;
+  for (const CameraOptions& camera : options.cameras) {
+    text += fmt::format("{}{} {} {} Hz", text.empty() ? "" : ", ", camera.name, camera.lens,
+                        camera.rate);
+  }
+  return text.empty() ? text : fmt::format("cameras   {} images ({})\n", summary.images, text);
+}
+
 /// What the command line asks for, or the scene file.
 SimulationOptions simulation_of(const SimulateCommandOptions& command) {
   if (std::filesystem::path(command.simulation.scene).extension() == ".toml") {
@@ -67,6 +89,7 @@ SimulationOptions simulation_of(const SimulateCommandOptions& command) {
   if (!command.layout.empty()) {
     lidar.layout = cloud_layout_named(command.layout);
   }
+  options.cameras = cameras_of(command);
   if (command.perfect) {
     lidar.effects = {.noise = false, .dropout = false, .mixed_pixels = false, .dust = false};
   }
@@ -94,7 +117,7 @@ std::string summary_text(const SimulationOptions& options, const SimulationSumma
       "points    {:.0f} a sweep, {:.1f} % of the pulses\n"
       "imu       {} samples ({}, {} Hz)\n"
       "gnss      {} fixes{}\n"
-      "{}{}"
+      "{}{}{}"
       "time      {}, {:.2f} x real time\n",
       summary.sweeps, sensors_of(options), options.scene, summary.triangles, summary.path,
       summary.fastest_turn,
@@ -108,7 +131,7 @@ std::string summary_text(const SimulationOptions& options, const SimulationSumma
       options.visual_odometry ? fmt::format("odometry  {} poses ({} Hz)\n", summary.odometry_poses,
                                             options.visual_odometry_rate)
                               : "",
-      format_duration(seconds), options.duration / seconds);
+      cameras_text(options, summary), format_duration(seconds), options.duration / seconds);
 }
 
 /// Throws UsageError where a recording is there that is none of a simulation: those have their
@@ -150,6 +173,9 @@ int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std
         << " (IMU: pose, velocity, biases)\n          " << files.loops.string()
         << " (places that see the same)\n          " << files.surfaces.string()
         << " (what each return is of)\n          "
+        << (options.cameras.empty()
+                ? ""
+                : files.colors.string() + " (the colour of its surface)\n          ")
         << (options.change.share > 0.0 ? fmt::format("{} ({} objects gone or new)\n          ",
                                                      files.changes.string(), summary.changes)
                                        : "")
@@ -176,7 +202,8 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
       "Scenes:       " + listed(scene_names()) + "\nSensors:      " + listed(range_sensor_names()) +
       "\nTrajectories: " + listed(motion_names()) + "\nIMUs:         " +
       listed(or_none(imu_names())) + "\nReceivers:    " + listed(or_none(gnss_names())) +
-      "\nFaults:       " + listed(fault_names()) +
+      "\nCameras:      " + listed(camera_names()) + "\nLenses:       " +
+      listed(camera_lens_names()) + "\nFaults:       " + listed(fault_names()) +
       "\n\n"
       "The same options give the same bytes on any machine.\n\n"
       "Examples:\n"
@@ -269,6 +296,16 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
                "Velocities of a vehicle's wheels on /wheels, for drive, stop-and-go, moving-start");
   command.flag("--visual-odometry", simulation.visual_odometry,
                "Poses of a camera's odometry, whose scale drifts, on /visual_odometry");
+  command
+      .option("--camera", options->cameras,
+              "A camera, with images on /camera_NAME/image_raw; may be given again")
+      .one_value_each()
+      .value_name("NAME[:LENS]")
+      .suggest(camera_names());
+  const CommandOption camera_rate = command
+                                        .option("--camera-rate", options->camera_rate,
+                                                "Images a second of each camera (Hz), instead of 2")
+                                        .value_name("HZ");
   command.flag("--doppler", simulation.lidars.front().doppler,
                "The range sensor measures the radial speed of each return");
   command.option("--fault", simulation.faults, "Something that is wrong; may be given again")
@@ -289,8 +326,8 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
         end_parsing();
       },
       "Print a scene file with every key and stop");
-  command.action([command, options, imu_rate, gnss_rate, heading_sigma, heading_offset, change_seed,
-                  done = std::move(done)] {
+  command.action([command, options, imu_rate, gnss_rate, heading_sigma, heading_offset, camera_rate,
+                  change_seed, done = std::move(done)] {
     options->besides_scene_file = command.given_besides({"scene", "--output", "--quiet"});
     if (imu_rate.given() && options->simulation.imu == "none") {
       refuse_option("--imu-rate", "there is no IMU that it is of; leave out --imu none");
@@ -303,6 +340,9 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
       if (option.given() && !options->simulation.heading) {
         refuse_option(name, "there is no heading that it is of; add it with --heading");
       }
+    }
+    if (camera_rate.given() && options->cameras.empty()) {
+      refuse_option("--camera-rate", "there is no camera that it is of; add one with --camera");
     }
     if (change_seed.given() && options->simulation.change.share == 0.0) {
       refuse_option("--change-seed", "nothing changes; give the share that does with --change");

@@ -6,7 +6,9 @@
 
 #include <functional>
 #include <iosfwd>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "adit/tools/simulator/simulation.hpp"
 
@@ -16,11 +18,13 @@ class Command;
 
 struct SimulateCommandOptions {
   SimulationOptions simulation;
-  std::string layout;                ///< empty: the driver's
-  bool perfect = false;              ///< none of the range sensor's errors
-  bool overwrite = false;            ///< replace a file that no simulation wrote, too
-  bool quiet = false;                ///< errors alone
-  std::string besides_scene_file{};  ///< an option that a scene file excludes; empty: none
+  std::string layout;                  ///< empty: the driver's
+  std::vector<std::string> cameras{};  ///< NAME or NAME:LENS
+  std::optional<int> camera_rate{};    ///< Hz; none: CameraOptions::rate
+  bool perfect = false;                ///< none of the range sensor's errors
+  bool overwrite = false;              ///< replace a file that no simulation wrote, too
+  bool quiet = false;                  ///< errors alone
+  std::string besides_scene_file{};    ///< an option that a scene file excludes; empty: none
 };
 
 /// Simulates and tells what was written. Returns the exit code: 0 done, 1 failed, 2 usage.

@@ -19,7 +19,7 @@
 namespace adit {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Fault>, 32> kFaults{
+constexpr std::array<std::pair<std::string_view, Fault>, 35> kFaults{
     {{"clock-offset", Fault::clock_offset},
      {"clock-drift", Fault::clock_drift},
      {"gap", Fault::gap},
@@ -43,6 +43,9 @@ constexpr std::array<std::pair<std::string_view, Fault>, 32> kFaults{
      {"heading-noisy", Fault::heading_noisy},
      {"heading-stuck", Fault::heading_stuck},
      {"heading-outliers", Fault::heading_outliers},
+     {"camera-turned", Fault::camera_turned},
+     {"camera-late", Fault::camera_late},
+     {"camera-exposure", Fault::camera_exposure},
      {"wheel-scale", Fault::wheel_scale},
      {"wheel-slip", Fault::wheel_slip},
      {"wheel-stuck", Fault::wheel_stuck},
@@ -60,6 +63,7 @@ constexpr std::array kOfImu{Fault::clock_offset, Fault::clock_drift,  Fault::reo
                             Fault::gaps};
 constexpr std::array kOfHeading{Fault::heading_off_90, Fault::heading_off_180, Fault::heading_noisy,
                                 Fault::heading_stuck, Fault::heading_outliers};
+constexpr std::array kOfCamera{Fault::camera_turned, Fault::camera_late, Fault::camera_exposure};
 constexpr Fault kFirstOfWheels = Fault::wheel_scale;  // and all after it
 constexpr std::array kSpikes{Fault::rare_spikes, Fault::spikes, Fault::many_spikes};
 
@@ -153,6 +157,7 @@ void rain_on(RangeSweep& sweep, const CounterRandom& random) {
       back.intensity *= kFaint;
       back.object = 0;
       back.surface = 0;
+      back.color = {};
     } else if (random.uniform(counter(first + i, 9)) <
                1.0 - repeatable_exp(-kExtinction * back.range)) {
       back = {};
@@ -203,6 +208,11 @@ void require_seen(const std::vector<std::string>& names, double duration,
       throw UsageError(name +
                        " is one of the heading, and there is none. --heading, or heading in [gnss] "
                        "of a scene file, adds it.");
+    }
+    if (!senses.camera && std::ranges::count(kOfCamera, fault) > 0) {
+      throw UsageError(name +
+                       " is one of the cameras, and there are none. --camera, or [[camera]] of a "
+                       "scene file, adds one.");
     }
     if (fault == Fault::shock && duration <= kFirstBlow) {
       throw UsageError("shock: the first blow comes after 3 s. Choose a longer duration.");
@@ -358,6 +368,31 @@ void FaultMaker::distort(Heading& heading, double first) const {
   if (has(Fault::heading_stuck)) {
     heading.yaw = first;
   }
+}
+
+void FaultMaker::distort(SimulatedImage& image) const {
+  constexpr double kPeriod = 10.0;  // s
+  if (has(Fault::camera_exposure)) {
+    const double time = 1e-9 * static_cast<double>(image.stamp.count());
+    const double swing = repeatable_sin_cos(2.0 * std::numbers::pi * time / kPeriod).sin;
+    const double gain = repeatable_exp(std::numbers::ln2 * swing);
+    for (uint8_t& part : image.image.rgb) {
+      part = static_cast<uint8_t>(std::min(std::floor(gain * part + 0.5), 255.0));
+    }
+  }
+  if (has(Fault::camera_late)) {
+    image.stamp += std::chrono::milliseconds(20);
+  }
+}
+
+Eigen::Isometry3d FaultMaker::stated_mount(const Eigen::Isometry3d& T_imu_camera) const {
+  if (!has(Fault::camera_turned)) {
+    return T_imu_camera;
+  }
+  const Eigen::Vector3d axis(2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0);
+  Eigen::Isometry3d turned = T_imu_camera;
+  turned.linear() = T_imu_camera.linear() * repeatable_so3_exp(1.0 * kDegree * axis);
+  return turned;
 }
 
 bool FaultMaker::is_silent(Nanoseconds time) const {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
+#include "adit/tools/simulator/camera_simulator.hpp"
 #include "adit/tools/simulator/range_simulator.hpp"
 
 namespace adit {
@@ -40,13 +41,16 @@ enum class Fault {
   heading_noisy,     ///< by 20 degrees (standard deviation), each by another error
   heading_stuck,     ///< the first one is repeated
   heading_outliers,  ///< one in 10 is anything
-  wheel_scale,       ///< the wheels read 5 % too much: other tyres than the driver assumes
-  wheel_slip,        ///< they spin: 10 % too much for 2 s, once in every 10 s
-  wheel_stuck,       ///< the encoder is dead: always zero
-  wheel_units,       ///< km/h
-  wheel_reversed,    ///< ahead is reported as back
-  wheel_axes,        ///< x and y are swapped
-  wheel_late,        ///< stamps are 50 ms late
+  camera_turned,  ///< the cameras' transforms err by 1 degree about an axis that is none of theirs
+  camera_late,    ///< the images' stamps are 20 ms late
+  camera_exposure,            ///< the images get brighter and darker, by a factor of up to 2 each
+  wheel_scale,                ///< the wheels read 5 % too much: other tyres than the driver assumes
+  wheel_slip,                 ///< they spin: 10 % too much for 2 s, once in every 10 s
+  wheel_stuck,                ///< the encoder is dead: always zero
+  wheel_units,                ///< km/h
+  wheel_reversed,             ///< ahead is reported as back
+  wheel_axes,                 ///< x and y are swapped
+  wheel_late,                 ///< stamps are 50 ms late
   wheel_zero_covariance,      ///< all zeros, as of drivers that do not know it
   wheel_negative_covariance,  ///< variances of -1
 };
@@ -57,6 +61,7 @@ struct SimulatedSenses {
   bool wheels = false;
   bool visual_odometry = false;
   bool heading = false;
+  bool camera = false;
 };
 
 std::vector<std::string> fault_names();
@@ -91,6 +96,12 @@ class FaultMaker {
   /// `heading` with its stamp counted from the start of the recording; `first`, of the recording,
   /// is what a source that is stuck repeats.
   void distort(Heading& heading, double first) const;
+
+  /// `image` with its stamp counted from the start of the recording.
+  void distort(SimulatedImage& image) const;
+
+  /// What a recording states of where a camera is mounted.
+  Eigen::Isometry3d stated_mount(const Eigen::Isometry3d& T_imu_camera) const;
 
   /// Whether an IMU message that was recorded at `time` from the start is missing on its own.
   bool is_silent(Nanoseconds time) const;

@@ -46,22 +46,14 @@ Vector3d within_beam(const Vector3d& direction, double half_angle, double radius
 }  // namespace
 
 RangeSimulator::RangeSimulator(const Scene& scene, RangeSensor sensor, const RangeMount& mount,
-                               uint64_t seed, const RangeEffects& effects)
-    : scene_(&scene),
+                               uint64_t seed, const RangeEffects& effects,
+                               std::optional<uint64_t> color_seed)
+    : caster_(scene),
       sensor_(std::move(sensor)),
       mount_(mount),
       effects_(effects),
       seed_(seed),
-      still_(scene.mesh) {
-  for (const MovingObject& object : scene.moving) {
-    moving_.emplace_back(object.mesh);
-    double radius = 0.0;
-    for (const Eigen::Vector3f& vertex : object.mesh.vertices) {
-      radius = std::max(radius, length_of(vertex.cast<double>()));
-    }
-    moving_radius_.push_back(radius);
-  }
-}
+      color_seed_(color_seed) {}
 
 RangeSweep RangeSimulator::sweep(int64_t index, const Checkpoint& checkpoint) const {
   RangeSweep sweep{.start = index * sensor_.period,
@@ -100,66 +92,24 @@ RangeSweep RangeSimulator::sweep(int64_t index, const Checkpoint& checkpoint) co
   return sweep;
 }
 
-std::vector<RangeSimulator::Mover> RangeSimulator::movers_near(const RangeSweep& sweep) const {
+std::vector<Mover> RangeSimulator::movers_near(const RangeSweep& sweep) const {
+  constexpr double kOwnWay = 10.0;  // m that the sensor itself may come nearer
   const double begin = 1e-9 * static_cast<double>(sweep.start);
   const double end = begin + 1e-9 * static_cast<double>(sweep.firings.back().time);
-  const Vector3d lidar = mount_.trajectory->pose(begin).translation();
-  std::vector<Mover> near;
-  for (std::size_t i = 0; i < moving_.size(); ++i) {
-    const Vector3d from = scene_->moving[i].T_world_object(begin).translation();
-    const double way = length_of(scene_->moving[i].T_world_object(end).translation() - from);
-    // Twice the way: it need not be straight.
-    const Mover mover{.index = i, .center = from, .radius = moving_radius_[i] + 2.0 * way};
-    constexpr double kOwnWay = 10.0;  // m that the sensor itself may come nearer
-    if (length_of(from - lidar) < sensor_.farthest + mover.radius + kOwnWay) {
-      near.push_back(mover);
-    }
-  }
-  return near;
+  return caster_.movers_near(mount_.trajectory->pose(begin).translation(),
+                             sensor_.farthest + kOwnWay, begin, end);
 }
 
-std::optional<RangeSimulator::Target> RangeSimulator::nearest_surface(const Vector3d& origin,
-                                                                      const Vector3d& direction,
-                                                                      double farthest,
-                                                                      const Pulse& pulse) const {
-  std::optional<Target> nearest;
-  if (const auto hit = still_.cast(origin, direction, farthest)) {
-    nearest = Target{.hit = *hit};
-    farthest = hit->distance;
-  }
-  for (const Mover& mover : *pulse.movers) {
-    const Vector3d to_center = mover.center - origin;
-    const double along = to_center.dot(direction);
-    if (along < -mover.radius || along - mover.radius > farthest ||
-        to_center.squaredNorm() - along * along > mover.radius * mover.radius) {
-      continue;
-    }
-    const std::size_t i = mover.index;
-    const Eigen::Isometry3d T_world_object = scene_->moving[i].T_world_object(pulse.time);
-    const Vector3d to_object = T_world_object.translation() - origin;
-    const Eigen::Matrix3d R_object_world = T_world_object.linear().transpose();
-    const auto hit =
-        moving_[i].cast(R_object_world * -to_object, R_object_world * direction, farthest);
-    if (hit) {
-      farthest = hit->distance;
-      nearest = Target{.hit = *hit, .object = static_cast<uint16_t>(i + 1)};
-      nearest->hit.normal = T_world_object.linear() * hit->normal;
-    }
-  }
-  return nearest;
-}
-
-std::optional<RangeSimulator::Target> RangeSimulator::first_surface(const Vector3d& origin,
-                                                                    const Vector3d& direction,
-                                                                    const Pulse& pulse,
-                                                                    uint64_t lane) const {
+std::optional<SceneHit> RangeSimulator::first_surface(const Vector3d& origin,
+                                                      const Vector3d& direction, const Pulse& pulse,
+                                                      uint64_t lane) const {
   const CounterRandom random(seed_, RandomStream::range);
   double gone = 0.0;
   // A pulse goes through a few panes of glass at most.
   constexpr uint64_t kPanes = 4;
   for (uint64_t pane = 0; pane < kPanes; ++pane) {
     const Vector3d from = origin + gone * direction;
-    auto target = nearest_surface(from, direction, sensor_.farthest - gone, pulse);
+    auto target = caster_.cast(from, direction, sensor_.farthest - gone, pulse.time, *pulse.movers);
     if (!target) {
       return std::nullopt;
     }
@@ -174,7 +124,7 @@ std::optional<RangeSimulator::Target> RangeSimulator::first_surface(const Vector
   return std::nullopt;
 }
 
-double RangeSimulator::strength(const Target& target, const Vector3d& direction) const {
+double RangeSimulator::strength(const SceneHit& target, const Vector3d& direction) const {
   const double slant = std::abs(target.hit.normal.dot(direction));
   const double ratio = sensor_.range_at_tenth / target.hit.distance;
   return static_cast<double>(optics_of(target.hit.material).reflectivity) * slant / 0.1 * ratio *
@@ -189,7 +139,7 @@ float RangeSimulator::radial_speed(const Pulse& pulse, const Vector3d& direction
   Vector3d relative = -(pulse.motion->velocity + pulse.motion->T_world_body.linear() *
                                                      pulse.motion->angular_velocity.cross(p_body));
   if (object > 0) {
-    const auto& pose_at = scene_->moving[object - 1U].T_world_object;
+    const auto& pose_at = caster_.scene().moving[object - 1U].T_world_object;
     const Eigen::Isometry3d here = pose_at(pulse.time);
     const Vector3d p_object = here.linear().transpose() * (p_world - here.translation());
     relative += (pose_at(pulse.time + 0.5 * kStep) * p_object -
@@ -203,7 +153,7 @@ float RangeSimulator::radial_speed(const Pulse& pulse, const Vector3d& direction
   return static_cast<float>(speed);
 }
 
-uint8_t RangeSimulator::surface_of(const Target& target) {
+uint8_t RangeSimulator::surface_of(const SceneHit& target) {
   constexpr double kLevel = 0.7071;  // cosine of 45 degrees
   const auto material = static_cast<uint8_t>(static_cast<uint8_t>(target.hit.material) + 1U);
   return target.hit.normal.z() > kLevel ? static_cast<uint8_t>(material | kLevelSurface) : material;
@@ -216,9 +166,9 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
   const Vector3d direction = T_world_lidar.linear() * pulse.firing->direction;
   auto target = first_surface(origin, direction, pulse, kGlass);
 
-  if (effects_.dust && scene_->dust > 0.0) {
+  if (effects_.dust && caster_.scene().dust > 0.0) {
     // Scattering by dust is exponential in the distance.
-    const double dust = -repeatable_log(1.0 - random.uniform(base + kDust)) / scene_->dust;
+    const double dust = -repeatable_log(1.0 - random.uniform(base + kDust)) / caster_.scene().dust;
     if (dust < (target ? target->hit.distance : sensor_.farthest) && dust > sensor_.nearest &&
         dust < 0.2 * sensor_.range_at_tenth) {
       return {.range = dust,
@@ -227,6 +177,7 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
     }
   }
   double range = target ? target->hit.distance : 0.0;
+  Vector3d beam = direction;  // to the target
   bool melted = false;
   if (effects_.mixed_pixels) {
     const Vector3d other_way =
@@ -251,6 +202,7 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
                random.uniform(base + kShare) < 0.5) {
       target = other;
       range = other->hit.distance;
+      beam = other_way;
     }
   }
   if (!target || range < sensor_.nearest) {
@@ -279,7 +231,11 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
                                                     origin + range * direction)
                                      : 0.0F,
           .object = target->object,
-          .surface = melted ? uint8_t{0} : surface_of(*target)};
+          .surface = melted ? uint8_t{0} : surface_of(*target),
+          .color = color_seed_ && !melted
+                       ? caster_.color_of(*target, origin + target->hit.distance * beam, pulse.time,
+                                          *color_seed_)
+                       : SurfaceColor{}};
 }
 
 }  // namespace adit

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "adit/slam/core/checkpoint.hpp"
 #include "adit/tools/simulator/range_sensor.hpp"
 #include "adit/tools/simulator/ray_scene.hpp"
 #include "adit/tools/simulator/scene.hpp"
+#include "adit/tools/simulator/scene_caster.hpp"
 #include "adit/tools/simulator/spline.hpp"
 
 namespace adit {
@@ -30,6 +32,7 @@ struct Return {
   /// 0: no surface is there, the echo is of dust or melted of two surfaces. Otherwise the material
   /// plus 1, and kLevelSurface where it is level.
   uint8_t surface = 0;
+  SurfaceColor color{};  ///< of the surface, where that was asked for; black where there is none
 };
 /// Flag of surfaces that face upwards within 45 degrees, world frame.
 inline constexpr uint8_t kLevelSurface = 128;
@@ -51,9 +54,10 @@ struct RangeMount {
 /// Casts every pulse from where the sensor is at that moment, at the scene as it is at that moment.
 class RangeSimulator {
  public:
-  /// Scene and trajectory must outlive it.
+  /// Scene and trajectory must outlive it. Returns have the colour of their surface where
+  /// `color_seed` is given.
   RangeSimulator(const Scene& scene, RangeSensor sensor, const RangeMount& mount, uint64_t seed,
-                 const RangeEffects& effects = {});
+                 const RangeEffects& effects = {}, std::optional<uint64_t> color_seed = {});
 
   /// Sweep `index`, counted from the start of the recording. The same whatever the number of
   /// threads and whichever sweeps were asked for before.
@@ -65,15 +69,10 @@ class RangeSimulator {
   }
 
   const RangeSensor& sensor() const { return sensor_; }
-  const RayScene& still() const { return still_; }
+  const RayScene& still() const { return caster_.still(); }
+  const SceneCaster& caster() const { return caster_; }
 
  private:
-  /// A moving object and a sphere that holds it for the whole of a sweep.
-  struct Mover {
-    std::size_t index = 0;
-    Eigen::Vector3d center;
-    double radius = 0.0;  ///< m
-  };
   struct Pulse {
     const Firing* firing = nullptr;
     uint64_t number = 0;                         ///< over the whole recording
@@ -81,34 +80,24 @@ class RangeSimulator {
     const MotionState* motion = nullptr;         ///< of the body by then, for the Doppler speed
     const std::vector<Mover>* movers = nullptr;  ///< moving objects within reach
   };
-  struct Target {
-    RayHit hit;
-    uint16_t object = 0;
-  };
-
   std::vector<Mover> movers_near(const RangeSweep& sweep) const;
   Return measure(const Pulse& pulse, const Eigen::Isometry3d& T_world_lidar) const;
-  std::optional<Target> first_surface(const Eigen::Vector3d& origin,
-                                      const Eigen::Vector3d& direction, const Pulse& pulse,
-                                      uint64_t lane) const;
-  std::optional<Target> nearest_surface(const Eigen::Vector3d& origin,
-                                        const Eigen::Vector3d& direction, double farthest,
-                                        const Pulse& pulse) const;
-  static uint8_t surface_of(const Target& target);
-  double strength(const Target& target, const Eigen::Vector3d& direction) const;
+  std::optional<SceneHit> first_surface(const Eigen::Vector3d& origin,
+                                        const Eigen::Vector3d& direction, const Pulse& pulse,
+                                        uint64_t lane) const;
+  static uint8_t surface_of(const SceneHit& target);
+  double strength(const SceneHit& target, const Eigen::Vector3d& direction) const;
   /// How fast the range of something grows, m/s: of what stands still, or of moving object n - 1
   /// of the scene at a point of the world.
   float radial_speed(const Pulse& pulse, const Eigen::Vector3d& direction, uint16_t object,
                      const Eigen::Vector3d& p_world) const;
 
-  const Scene* scene_;
+  SceneCaster caster_;
   RangeSensor sensor_;
   RangeMount mount_;
   RangeEffects effects_;
   uint64_t seed_;
-  RayScene still_;
-  std::vector<RayScene> moving_;
-  std::vector<double> moving_radius_;  ///< m, around each object's origin
+  std::optional<uint64_t> color_seed_;
 };
 
 }  // namespace adit

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -272,6 +273,50 @@ void read_visual_odometry(const Reader& reader, const toml::table& table,
   options.T_imu_camera = mount.pose();
 }
 
+/// A camera with the mount of its name, unless the file says another.
+CameraOptions read_camera(const Reader& reader, const toml::table& table) {
+  CameraOptions camera;
+  std::optional<Eigen::Vector3d> position;
+  std::optional<Eigen::Vector3d> yaw_pitch_roll;
+  reader.read(
+      table,
+      {{"name",
+        [&](const auto& node) {
+          camera.name = reader.text(node);
+          require_camera(camera.name);
+        }},
+       {"lens",
+        [&](const auto& node) {
+          camera.lens = reader.text(node);
+          camera_lens(camera.lens);
+        }},
+       {"rate",
+        [&](const auto& node) { require_camera_rate(camera.rate = reader.whole_number(node)); }},
+       {"position", [&](const auto& node) { position = reader.vector(node); }},
+       {"yaw_pitch_roll", [&](const auto& node) { yaw_pitch_roll = reader.vector(node); }}});
+  Eigen::Isometry3d T_imu_mount = camera_mount_of(camera.name);
+  if (yaw_pitch_roll) {
+    T_imu_mount =
+        MountKeys{.position = T_imu_mount.translation(), .yaw_pitch_roll = *yaw_pitch_roll}.pose();
+  }
+  if (position) {
+    T_imu_mount.translation() = *position;
+  }
+  camera.T_imu_camera = optical_frame(T_imu_mount);
+  return camera;
+}
+
+void read_cameras(const Reader& reader, const toml::node& node, SimulationOptions& options) {
+  for (const toml::node& camera : reader.list(node)) {
+    options.cameras.push_back(read_camera(reader, reader.table(camera)));
+    try {
+      require_cameras(options.cameras);
+    } catch (const UsageError& error) {
+      reader.refuse(camera, error);
+    }
+  }
+}
+
 void read_wheels(const Reader& reader, const toml::table& table, SimulationOptions& options) {
   MountKeys mount{.position = options.T_imu_wheels.translation()};
   reader.read(table, {{"use", [&](const auto& node) { options.wheels = reader.truth(node); }},
@@ -328,13 +373,15 @@ SimulationOptions read_scene_file(const std::filesystem::path& file) {
        {"gnss", [&](const auto& node) { read_gnss(reader, reader.table(node), options); }},
        {"visual_odometry",
         [&](const auto& node) { read_visual_odometry(reader, reader.table(node), options); }},
+       {"camera", [&](const auto& node) { read_cameras(reader, node, options); }},
        {"wheels", [&](const auto& node) { read_wheels(reader, reader.table(node), options); }}});
   try {
     require_seen(options.faults, options.duration,
                  {.imu = options.imu != "none",
                   .wheels = options.wheels,
                   .visual_odometry = options.visual_odometry,
-                  .heading = options.heading});
+                  .heading = options.heading,
+                  .camera = !options.cameras.empty()});
   } catch (const UsageError& error) {
     reader.refuse(*table.get("faults"), error);
   }
@@ -401,6 +448,14 @@ use = false  # poses of a camera's odometry, whose scale drifts, on /visual_odom
 rate = 20  # Hz
 position = [0.15, 0.02, -0.03]  # m, in the IMU's frame
 yaw_pitch_roll = [0.0, 0.0, 0.0]  # degrees
+
+# Images of a camera on /camera_NAME/image_raw; there may be several, and there is none by default.
+# [[camera]]
+# name = "front"  # where it looks; or "left", "right", "back"
+# lens = "perspective"  # 640 x 480 pixels, 80 degrees across; or "fisheye", 640 x 640 and 180
+# rate = 2  # Hz
+# position = [0.13, -0.01, -0.04]  # m, in the IMU's frame; 0.1 m off the lidar, to where it looks
+# yaw_pitch_roll = [0.0, 0.0, 0.0]  # degrees; it looks along x of that. The left one's yaw is 90.
 )";
 }
 

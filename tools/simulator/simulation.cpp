@@ -51,7 +51,8 @@ void check(const SimulationOptions& options) {
                  {.imu = options.imu != "none",
                   .wheels = options.wheels,
                   .visual_odometry = options.visual_odometry,
-                  .heading = options.heading});
+                  .heading = options.heading,
+                  .camera = !options.cameras.empty()});
   });
   if (options.heading) {
     check_option("--heading", [&] {
@@ -67,11 +68,15 @@ void check(const SimulationOptions& options) {
       require_wheel_rate(options.wheel_rate);
     });
   }
+  if (options.visual_odometry) {
+    check_option("--visual-odometry", [&] { require_wheel_rate(options.visual_odometry_rate); });
+  }
   check_option("--doppler", [&] {
     for (const LidarOptions& lidar : options.lidars) {
       require_doppler(lidar);
     }
   });
+  check_option("--camera", [&] { require_cameras(options.cameras); });
   if (options.speed) {
     check_option("--speed", [&] { require_speed(*options.speed); });
   }
@@ -165,7 +170,8 @@ void cut_off(const std::filesystem::path& file) {
   }
 }
 
-void write_mounts(const SimulationOptions& options, SimulationRecorder& recorder) {
+void write_mounts(const SimulationOptions& options, const FaultMaker& faults,
+                  SimulationRecorder& recorder) {
   for (const LidarOptions& lidar : options.lidars) {
     recorder.write("/tf_static", Nanoseconds(0),
                    StaticTransform{kImuFrame, lidar.frame, lidar.T_imu_lidar}, kImuFrame);
@@ -184,24 +190,58 @@ void write_mounts(const SimulationOptions& options, SimulationRecorder& recorder
     recorder.write("/tf_static", Nanoseconds(0),
                    StaticTransform{kImuFrame, kCameraFrame, options.T_imu_camera}, kImuFrame);
   }
+  for (const CameraOptions& camera : options.cameras) {
+    recorder.write(
+        "/tf_static", Nanoseconds(0),
+        StaticTransform{kImuFrame, camera.frame(), faults.stated_mount(camera.T_imu_camera)},
+        kImuFrame);
+  }
 }
 
 /// The sensors beside the range sensors.
 struct Tracks {
+  /// What it is given must outlive it.
+  Tracks(const SimulationOptions& options, const SimulationFiles& files,
+         const SplineTrajectory& trajectory, const SceneCaster& scene, const FaultMaker& faults)
+      : imu(options, files, trajectory, faults) {
+    if (options.gnss != "none") {
+      gnss.emplace(options, files, trajectory, scene.still(), faults);
+    }
+    if (options.heading) {
+      heading.emplace(options, trajectory, faults);
+    }
+    if (options.wheels) {
+      wheels.emplace(options, files, trajectory, faults);
+    }
+    if (options.visual_odometry) {
+      odometry.emplace(options, trajectory, faults);
+    }
+    for (std::size_t i = 0; i < options.cameras.size(); ++i) {
+      cameras.emplace_back(options, i, scene, trajectory, faults);
+    }
+  }
+
   ImuTrack imu;
   std::optional<GnssTrack> gnss{};
   std::optional<WheelTrack> wheels{};
   std::optional<PoseTrack> odometry{};
   std::optional<HeadingTrack> heading{};
+  std::vector<CameraTrack> cameras{};
 
   /// What they measure before `end`, in the order of time.
-  void write_until(Nanoseconds end, SimulationRecorder& recorder, SimulationSummary& summary) {
+  void write_until(Nanoseconds end, SimulationRecorder& recorder, SimulationSummary& summary,
+                   const Checkpoint& checkpoint) {
     const auto time_of = [](const auto& track) {
       return track ? track->time() : Nanoseconds::max();
     };
+    const auto next_camera = [&] {
+      return std::ranges::min_element(cameras, {},
+                                      [](const auto& camera) { return camera.time(); });
+    };
     const auto first = [&] {
-      return std::min(
-          {imu.time(), time_of(gnss), time_of(wheels), time_of(odometry), time_of(heading)});
+      return std::min({imu.time(), time_of(gnss), time_of(wheels), time_of(odometry),
+                       time_of(heading),
+                       cameras.empty() ? Nanoseconds::max() : next_camera()->time()});
     };
     for (Nanoseconds next = first(); next < end; next = first()) {
       if (next == imu.time()) {
@@ -212,8 +252,10 @@ struct Tracks {
         wheels->write_next(recorder, summary);
       } else if (next == time_of(heading)) {
         heading->write_next(recorder, summary);
-      } else {
+      } else if (next == time_of(odometry)) {
         odometry->write_next(recorder, summary);
+      } else {
+        next_camera()->write_next(recorder, summary, checkpoint);
       }
     }
   }
@@ -244,6 +286,7 @@ SimulationFiles::SimulationFiles(const std::filesystem::path& file)
       loops(beside(file, ".truth.loops.csv")),
       labels(beside(file, ".truth.labels")),
       surfaces(beside(file, ".truth.surfaces")),
+      colors(beside(file, ".truth.colors")),
       changes(beside(file, ".truth.changes.json")),
       scene(beside(file, ".scene.ply")),
       picture(beside(file, ".scene.png")),
@@ -272,7 +315,8 @@ SimulationSummary simulate(const SimulationOptions& options,
   const FaultMaker fault_maker(faults_of(options), options.duration, options.seed_of_noise());
   const SimulationFiles files(options.output);
   ReturnTruthWriter truth(files.surfaces,
-                          scene.moving.empty() ? std::nullopt : std::optional(files.labels));
+                          scene.moving.empty() ? std::nullopt : std::optional(files.labels),
+                          options.cameras.empty() ? std::nullopt : std::optional(files.colors));
   std::vector<LidarTrack> lidars;
   for (std::size_t i = 0; i < options.lidars.size(); ++i) {
     lidars.emplace_back(options, i, scene, trajectory, fault_maker);
@@ -282,28 +326,15 @@ SimulationSummary simulate(const SimulationOptions& options,
                             .changes = changed.changes.size()};
   summary.crossings = find_crossings([&](double time) { return first.pose(time); },
                                      options.duration, first.still(), checkpoint);
-  Tracks tracks{.imu = ImuTrack(options, files, trajectory, fault_maker)};
-  if (options.gnss != "none") {
-    tracks.gnss.emplace(options, files, trajectory, first.still(), fault_maker);
-  }
-  if (options.heading) {
-    tracks.heading.emplace(options, trajectory, fault_maker);
-  }
-  if (options.wheels) {
-    tracks.wheels.emplace(options, files, trajectory, fault_maker);
-  }
-  if (options.visual_odometry) {
-    check_option("--visual-odometry", [&] { require_wheel_rate(options.visual_odometry_rate); });
-    tracks.odometry.emplace(options, trajectory, fault_maker);
-  }
+  Tracks tracks(options, files, trajectory, first.caster(), fault_maker);
   SimulationRecorder recorder(options);
-  write_mounts(options, recorder);
+  write_mounts(options, fault_maker, recorder);
   const auto total = static_cast<std::size_t>(
       std::floor(options.duration * 1e9 / static_cast<double>(first.sensor().period) + 1e-6));
   for (std::size_t i = 0; i < total; ++i) {
     const std::vector<RangeSweep> sweeps = sweeps_at(lidars, i, checkpoint);
     const Nanoseconds end(sweeps.front().start + first.sensor().period);
-    tracks.write_until(end, recorder, summary);
+    tracks.write_until(end, recorder, summary, checkpoint);
     for (std::size_t k = 0; k < lidars.size(); ++k) {
       lidars[k].write(sweeps[k], i, end, recorder, truth, summary);
     }

@@ -16,6 +16,7 @@
 #include "adit/slam/core/checkpoint.hpp"
 #include "adit/slam/core/types.hpp"
 #include "adit/tools/containers/compression.hpp"
+#include "adit/tools/simulator/camera_options.hpp"
 #include "adit/tools/simulator/crossings.hpp"
 #include "adit/tools/simulator/gnss_model.hpp"
 #include "adit/tools/simulator/heading_model.hpp"
@@ -64,6 +65,7 @@ struct SimulationOptions {
   bool visual_odometry = false;   ///< of one camera, on /visual_odometry
   int visual_odometry_rate = 20;  ///< Hz
   Eigen::Isometry3d T_imu_camera = camera_mount();
+  std::vector<CameraOptions> cameras{};
   std::vector<std::string> faults{};
   double duration = 60.0;       ///< s
   std::optional<double> speed;  ///< m/s, instead of the scene's
@@ -97,6 +99,7 @@ struct SimulationFiles {
   std::filesystem::path loops;       ///< NAME.truth.loops.csv: places that see the same
   std::filesystem::path labels;      ///< NAME.truth.labels, where something moves
   std::filesystem::path surfaces;    ///< NAME.truth.surfaces: what each return is of
+  std::filesystem::path colors;      ///< NAME.truth.colors: of each return, where there are cameras
   std::filesystem::path changes;     ///< NAME.truth.changes.json, where objects have changed
   std::filesystem::path scene;       ///< NAME.scene.ply
   std::filesystem::path picture;     ///< NAME.scene.png
@@ -112,6 +115,7 @@ struct SimulationSummary {
   std::size_t gnss_fixes = 0;
   std::size_t headings = 0;
   std::size_t wheel_velocities = 0;
+  std::size_t images = 0;             ///< of all cameras
   std::size_t odometry_poses = 0;     ///< of the visual odometry
   std::size_t changes = 0;            ///< objects removed or added, a moved one twice
   double path = 0.0;                  ///< m

@@ -75,6 +75,10 @@ void require_wheel_rate(int rate) {
   require_rate(rate, 5, 500, "10, 20, 50, 100");
 }
 
+void require_camera_rate(int rate) {
+  require_rate(rate, 1, 50, "1, 2, 5, 10");
+}
+
 void require_wheels(const MotionStyle& style) {
   if (style.step > 0.0) {
     throw UsageError(std::string(style.name) +

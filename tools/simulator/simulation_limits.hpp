@@ -22,6 +22,7 @@ void require_corner_radius(double radius);  ///< m
 void require_imu_rate(int rate);            ///< Hz
 void require_gnss_rate(int rate);           ///< Hz
 void require_wheel_rate(int rate);          ///< Hz
+void require_camera_rate(int rate);         ///< Hz
 void require_wheels(const MotionStyle& style);
 
 /// The corners of a closed way on the floor, of which the last is followed by the first: it must

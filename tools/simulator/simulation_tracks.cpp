@@ -3,9 +3,12 @@
 #include "adit/tools/simulator/simulation_tracks.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <optional>
 #include <utility>
 
 #include "adit/tools/containers/ros_definitions.hpp"
+#include "adit/tools/simulator/camera_messages.hpp"
 #include "adit/tools/simulator/cloud_messages.hpp"
 
 namespace adit {
@@ -20,7 +23,8 @@ enum TopicNumber : uint64_t {
   kWheels,
   kFurtherPoints = kWheels,
   kPoses = 13,
-  kHeadings = 14
+  kHeadings = 14,
+  kImages = 15
 };
 
 /// Each range sensor has noise of its own.
@@ -177,13 +181,42 @@ void PoseTrack::write_next(SimulationRecorder& recorder, SimulationSummary& summ
   next_ = odometry_.next();
 }
 
+CameraTrack::CameraTrack(const SimulationOptions& options, std::size_t index,
+                         const SceneCaster& scene, const SplineTrajectory& trajectory,
+                         const FaultMaker& faults)
+    : options_(&options.cameras[index]),
+      camera_(scene, camera_lens(options_->lens),
+              {.trajectory = &trajectory, .T_body_camera = options_->T_imu_camera}, options.seed),
+      period_(std::chrono::nanoseconds(std::chrono::seconds(1)) / options_->rate),
+      epoch_(options.epoch()),
+      faults_(&faults) {}
+
+void CameraTrack::write_next(SimulationRecorder& recorder, SimulationSummary& summary,
+                             const Checkpoint& checkpoint) {
+  const int copies = faults_->copies(kImages, static_cast<uint64_t>(index_), time());
+  if (copies > 0) {
+    SimulatedImage image{.stamp = time(), .image = camera_.image(seconds(time()), checkpoint)};
+    faults_->distort(image);
+    image.stamp += epoch_;
+    const std::string frame = options_->frame();
+    for (int i = 0; i < copies; ++i) {
+      recorder.write(options_->topic("image_raw"), time(), image_message(image, frame));
+      recorder.write(options_->topic("camera_info"), time(),
+                     camera_info_message(camera_.camera(), image.stamp, frame));
+      ++summary.images;
+    }
+  }
+  ++index_;
+}
+
 LidarTrack::LidarTrack(const SimulationOptions& options, std::size_t index, const Scene& scene,
                        const SplineTrajectory& trajectory, const FaultMaker& faults)
     : options_(&options.lidars[index]),
       simulator_(std::make_unique<RangeSimulator>(
           scene, sensor_of(*options_),
           RangeMount{.trajectory = &trajectory, .T_body_lidar = options_->T_imu_lidar},
-          seed_of(options.seed_of_noise(), index), options_->effects)),
+          seed_of(options.seed_of_noise(), index), options_->effects,
+          options.cameras.empty() ? std::nullopt : std::optional(options.seed))),
       faults_(&faults),
       epoch_(options.epoch()),
       number_(index == 0 ? uint64_t{kPoints} : kFurtherPoints + index) {}

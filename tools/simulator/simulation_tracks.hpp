@@ -16,6 +16,7 @@
 #include "adit/tools/containers/mcap_writer.hpp"
 #include "adit/tools/recordings/recording.hpp"
 #include "adit/tools/recordings/ros_events.hpp"
+#include "adit/tools/simulator/camera_simulator.hpp"
 #include "adit/tools/simulator/faults.hpp"
 #include "adit/tools/simulator/gnss_model.hpp"
 #include "adit/tools/simulator/heading_model.hpp"
@@ -146,6 +147,25 @@ class PoseTrack {
   const FaultMaker* faults_;
   ReferencePose next_;
   uint64_t index_ = 0;
+};
+
+/// The images of a camera, each with its calibration. What it is given must outlive it.
+class CameraTrack {
+ public:
+  CameraTrack(const SimulationOptions& options, std::size_t index, const SceneCaster& scene,
+              const SplineTrajectory& trajectory, const FaultMaker& faults);
+
+  Nanoseconds time() const { return period_ * index_; }  ///< time of what is written next
+  void write_next(SimulationRecorder& recorder, SimulationSummary& summary,
+                  const Checkpoint& checkpoint);
+
+ private:
+  const CameraOptions* options_;
+  CameraSimulator camera_;
+  Nanoseconds period_;
+  Nanoseconds epoch_;
+  const FaultMaker* faults_;
+  int64_t index_ = 0;
 };
 
 /// A range sensor and its topic. What it is given must outlive it.

@@ -105,25 +105,34 @@ void WheelTruthWriter::write(Nanoseconds epoch, const SimulatedWheels& wheels) {
 }
 
 ReturnTruthWriter::ReturnTruthWriter(const std::filesystem::path& surfaces,
-                                     const std::optional<std::filesystem::path>& labels)
+                                     const std::optional<std::filesystem::path>& labels,
+                                     const std::optional<std::filesystem::path>& colors)
     : surfaces_(surfaces) {
   if (labels) {
     labels_.emplace(*labels);
+  }
+  if (colors) {
+    colors_.emplace(*colors);
   }
 }
 
 void ReturnTruthWriter::write(const RangeSweep& sweep) {
   std::vector<char> surfaces;
   std::vector<char> labels;
+  std::vector<char> colors;
   for (const Return& back : sweep.returns) {
     if (back.range != 0.0) {
       append_bytes(surfaces, back.surface);
       append_bytes(labels, back.object);
+      append_bytes(colors, back.color);
     }
   }
   surfaces_.write(surfaces.data(), surfaces.size());
   if (labels_) {
     labels_->write(labels.data(), labels.size());
+  }
+  if (colors_) {
+    colors_->write(colors.data(), colors.size());
   }
 }
 
@@ -131,6 +140,9 @@ void ReturnTruthWriter::close() {
   surfaces_.close();
   if (labels_) {
     labels_->close();
+  }
+  if (colors_) {
+    colors_->close();
   }
 }
 

@@ -63,9 +63,11 @@ class WheelTruthWriter {
 class ReturnTruthWriter {
  public:
   /// `surfaces` gets Return::surface, a byte each. `labels`, where something moves, a little-endian
-  /// uint16: 0 for what stands still, n for moving object n - 1 of the scene. Throws OutputError.
+  /// uint16: 0 for what stands still, n for moving object n - 1 of the scene. `colors`, where there
+  /// are cameras, red, green and blue of Return::color. Throws OutputError.
   ReturnTruthWriter(const std::filesystem::path& surfaces,
-                    const std::optional<std::filesystem::path>& labels);
+                    const std::optional<std::filesystem::path>& labels,
+                    const std::optional<std::filesystem::path>& colors);
 
   void write(const RangeSweep& sweep);
   void close();
@@ -73,6 +75,7 @@ class ReturnTruthWriter {
  private:
   OutputFile surfaces_;
   std::optional<OutputFile> labels_;
+  std::optional<OutputFile> colors_;
 };
 
 /// What stands still in a scene, and what moves where it is at first, as a binary PLY of coloured
