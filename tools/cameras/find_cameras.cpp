@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "adit/tools/cameras/camera_file.hpp"
 #include "adit/tools/cameras/camera_topics.hpp"
+#include "adit/tools/cameras/image_folder.hpp"
 #include "adit/tools/cameras/message_images.hpp"
 #include "adit/tools/recordings/message_cameras.hpp"
 #include "adit/tools/recordings/message_files.hpp"
@@ -91,6 +93,16 @@ CameraSource source_of(const CameraTopic& topic, const CameraModel& model) {
   return {.name = topic.name, .model = model, .frame = topic.frame, .images = nullptr};
 }
 
+std::vector<CameraSource> named_cameras(const Search& search,
+                                        const std::vector<std::string>& names) {
+  std::vector<CameraSource> cameras;
+  for (const std::string& name : names) {
+    const CameraTopic& topic = require_topic(search, name);
+    cameras.push_back(source_of(topic, require_model_beside(search, topic.name)));
+  }
+  return cameras;
+}
+
 /// True where the first is the better one of the same camera.
 bool is_better(const CameraTopic& a, const CameraTopic& b) {
   const auto rank = [](const CameraTopic& topic) {
@@ -142,6 +154,75 @@ std::vector<CameraSource> calibrated_cameras(const Search& search) {
   return cameras;
 }
 
+/// True where the topic is one of those named, or none is named.
+bool is_chosen(const std::string& topic, const std::vector<std::string>& names) {
+  return names.empty() || std::ranges::any_of(names, [&](const std::string& name) {
+           return without_transport(name) == without_transport(topic);
+         });
+}
+
+/// The images of a camera whose file names none: those on the topic that is named, or the only
+/// ones.
+const CameraTopic& require_only_topic(const Search& search, const std::vector<std::string>& names) {
+  std::vector<CameraTopic> readable = search.topics;
+  std::erase_if(readable, [&](const CameraTopic& topic) {
+    return !topic.problem.empty() || !is_chosen(topic.name, names);
+  });
+  if (names.size() != 1 && readable.size() != 1) {
+    search.fail("the file of cameras names no topic, and this is not the only one with images: " +
+                    names_of(search.topics),
+                "Name the topic of the camera");
+  }
+  return require_topic(search, names.size() == 1 ? names.front() : readable.front().name);
+}
+
+/// The camera, without its images where these are on a topic: then its name is still the topic's.
+CameraSource source_of(const Search& search, const ListedCamera& listed,
+                       const std::vector<std::string>& names) {
+  CameraSource source{.name = listed.name,
+                      .model = listed.model.value_or(CameraModel{}),
+                      .frame = listed.frame,
+                      .T_lidar_camera = listed.T_lidar_camera,
+                      .T_imu_camera = listed.T_imu_camera,
+                      .time_offset = listed.time_offset,
+                      .images = nullptr};
+  if (!listed.folder.empty()) {
+    source.images = open_image_folder(listed.folder);
+    return source;
+  }
+  const CameraTopic& topic = listed.topic.empty() ? require_only_topic(search, names)
+                                                  : require_topic(search, listed.topic);
+  if (!listed.model) {
+    source.model = require_model_beside(search, topic.name);
+  }
+  if (source.frame.empty()) {
+    source.frame = topic.frame;
+  }
+  source.name = topic.name;
+  return source;
+}
+
+/// The cameras of a file, those on topics with the topic as their name.
+struct FiledCameras {
+  std::vector<CameraSource> sources;
+  std::vector<std::string> names;
+};
+FiledCameras filed_cameras(const Search& search, const CameraChoice& choice) {
+  FiledCameras cameras;
+  for (const ListedCamera& listed : read_camera_file(choice.calibration)) {
+    if (listed.topic.empty() ? listed.folder.empty() || choice.topics.empty()
+                             : is_chosen(listed.topic, choice.topics)) {
+      cameras.sources.push_back(source_of(search, listed, choice.topics));
+      cameras.names.push_back(listed.name);
+    }
+  }
+  if (cameras.sources.empty()) {
+    throw InputError(choice.calibration, {}, "it lists no camera with images on the named topics",
+                     "Name topics as the file does, or none");
+  }
+  return cameras;
+}
+
 /// Throws InputError where the first image that can be read is none of this camera.
 void require_fitting_size(const CameraSource& camera, const fs::path& file) {
   ColorImage image;
@@ -154,9 +235,26 @@ void require_fitting_size(const CameraSource& camera, const fs::path& file) {
     throw InputError(file, {},
                      "the images of the camera " + camera.name + " have " +
                          std::to_string(image.width) + " x " + std::to_string(image.height) +
-                         " pixels, its calibration " + std::to_string(camera.model.width) + " x " +
-                         std::to_string(camera.model.height),
+                         " pixels, its calibration has " + std::to_string(camera.model.width) +
+                         " x " + std::to_string(camera.model.height),
                      "Use the images that were calibrated, or calibrate these");
+  }
+}
+
+/// The images of those that have none yet, which have their topic as a name.
+void add_message_images(const Search& search, std::vector<CameraSource>& cameras) {
+  std::vector<std::string> topics;
+  for (const CameraSource& camera : cameras) {
+    if (!camera.images && std::ranges::count(topics, camera.name) == 0) {
+      topics.push_back(camera.name);
+    }
+  }
+  const auto images = read_message_images(search.files, topics);
+  for (CameraSource& camera : cameras) {
+    const auto topic = std::ranges::find(topics, camera.name);
+    if (!camera.images) {
+      camera.images = images[static_cast<std::size_t>(topic - topics.begin())];
+    }
   }
 }
 
@@ -168,24 +266,22 @@ std::vector<CameraSource> find_cameras(const std::vector<fs::path>& recording,
   search.files = std::make_shared<const std::vector<std::unique_ptr<MessageFile>>>(
       open_message_files(recording));
   search.topics = list_camera_topics(*search.files);
-  std::vector<CameraSource> cameras;
-  if (choice.topics.empty()) {
-    cameras = calibrated_cameras(search);
+  FiledCameras cameras;
+  if (!choice.calibration.empty()) {
+    cameras = filed_cameras(search, choice);
+  } else if (!choice.topics.empty()) {
+    cameras.sources = named_cameras(search, choice.topics);
+  } else {
+    cameras.sources = calibrated_cameras(search);
   }
-  for (const std::string& name : choice.topics) {
-    const CameraTopic& topic = require_topic(search, name);
-    cameras.push_back(source_of(topic, require_model_beside(search, topic.name)));
+  add_message_images(search, cameras.sources);
+  for (std::size_t i = 0; i < cameras.sources.size(); ++i) {
+    if (i < cameras.names.size()) {
+      cameras.sources[i].name = cameras.names[i];
+    }
+    require_fitting_size(cameras.sources[i], recording.front());
   }
-  std::vector<std::string> topics;
-  for (const CameraSource& camera : cameras) {
-    topics.push_back(camera.name);
-  }
-  const auto images = read_message_images(search.files, topics);
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    cameras[i].images = images[i];
-    require_fitting_size(cameras[i], recording.front());
-  }
-  return cameras;
+  return std::move(cameras.sources);
 }
 
 }  // namespace adit

@@ -36,6 +36,12 @@ bool is_item(std::string_view text) {
   return text == "-" || text.starts_with("- ");
 }
 
+/// A value without the name of its type, as OpenCV writes "!!opencv-matrix".
+std::string_view without_tag(std::string_view value) {
+  return value.starts_with('!') ? trimmed(value.substr(std::min(value.find(' '), value.size())))
+                                : value;
+}
+
 /// Where the quoted text at the begin ends, behind its quote; npos where it does not.
 std::size_t end_of_quoted(std::string_view text) {
   const char quote = text.front();
@@ -47,6 +53,29 @@ std::size_t end_of_quoted(std::string_view text) {
         return i + 1;
       }
       ++i;  // two single quotes stand for one
+    }
+  }
+  return std::string_view::npos;
+}
+
+/// Where the list in brackets that begins the text ends, behind its bracket; npos where it does
+/// not.
+std::size_t end_of_list(std::string_view text) {
+  int depth = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    const char before = i == 0 ? '[' : text[i - 1];
+    const bool opens = before == '[' || before == ',' || before == ' ' || before == '\t';
+    if ((c == '"' || c == '\'') && opens) {
+      const std::size_t size = end_of_quoted(text.substr(i));
+      if (size == std::string_view::npos) {
+        return size;
+      }
+      i += size - 1;
+    } else if (c == '[') {
+      ++depth;
+    } else if (c == ']' && --depth == 0) {
+      return i + 1;
     }
   }
   return std::string_view::npos;
@@ -75,7 +104,9 @@ class Parser {
     while (const auto line = lines.next()) {
       const std::size_t indent = line->find_first_not_of(' ');
       const std::string_view content = trimmed(*line);
-      if (!content.empty() && content.front() != '#' && content != "---" && content != "...") {
+      const bool directive = indent == 0 && content.starts_with('%') && lines_.empty();
+      if (!content.empty() && content.front() != '#' && content != "---" && content != "..." &&
+          !directive) {
         lines_.push_back({indent, content});
       }
     }
@@ -130,7 +161,7 @@ class Parser {
       const std::string_view key = trimmed(line.text.substr(0, *colon));
       const bool quoted = key.size() > 1 && (key.front() == '"' || key.front() == '\'');
       std::string name = quoted ? unquoted(key) : std::string(key);
-      line.text = trimmed(line.text.substr(*colon + 1));
+      line.text = without_tag(trimmed(line.text.substr(*colon + 1)));
       if (line.text.empty()) {
         ++at_;
         node.fields.emplace_back(std::move(name), child(indent, true, depth));
@@ -186,10 +217,10 @@ class Parser {
       return {.scalar = unquoted(std::string_view(text).substr(0, end_of_quoted(text)))};
     }
     if (first == '[') {
-      while (text.find(']') == std::string::npos) {
+      while (end_of_list(text) == std::string_view::npos) {
         add_line();
       }
-      return list(std::string_view(text).substr(1, text.find(']') - 1));
+      return list(std::string_view(text).substr(1, end_of_list(text) - 2), 0);
     }
     if (first == '|' || first == '>') {
       text.clear();
@@ -202,14 +233,29 @@ class Parser {
     return {.scalar = std::string(trimmed(text))};
   }
 
-  static YamlNode list(std::string_view inner) {
+  static YamlNode list(std::string_view inner, int depth) {
+    if (depth > kDeepest) {
+      throw NotUnderstood();
+    }
     YamlNode node;
-    while (!trimmed(inner).empty()) {
-      const std::string_view item = trimmed(inner.substr(0, inner.find(',')));
-      const bool quoted = item.size() > 1 && (item.front() == '"' || item.front() == '\'');
-      node.items.push_back({.scalar = quoted ? unquoted(item) : std::string(item)});
-      const std::size_t comma = inner.find(',');
-      inner = comma == std::string_view::npos ? std::string_view() : inner.substr(comma + 1);
+    for (inner = trimmed(inner); !inner.empty(); inner = trimmed(inner)) {
+      const char first = inner.front();
+      const bool quoted = first == '"' || first == '\'';
+      const std::size_t size = quoted         ? end_of_quoted(inner)
+                               : first == '[' ? end_of_list(inner)
+                                              : std::min(inner.find(','), inner.size());
+      if (size == std::string_view::npos) {
+        throw NotUnderstood();
+      }
+      const std::string_view item = trimmed(inner.substr(0, size));
+      node.items.push_back(first == '['
+                               ? list(item.substr(1, item.size() - 2), depth + 1)
+                               : YamlNode{.scalar = quoted ? unquoted(item) : std::string(item)});
+      inner = trimmed(inner.substr(size));
+      if (!inner.empty() && inner.front() != ',') {
+        throw NotUnderstood();
+      }
+      inner.remove_prefix(inner.empty() ? 0 : 1);
     }
     return node;
   }

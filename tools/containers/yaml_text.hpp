@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The part of YAML that programs write: block mappings and sequences, plain, quoted and block
-// scalars, flow sequences of scalars. No anchors, no tags.
+// scalars, flow sequences of scalars and of such sequences. No anchors; tags of types are ignored.
 #pragma once
 
 #include <optional>

@@ -65,6 +65,44 @@ std::optional<int64_t> TomlTable::number(std::string_view key) const {
   return value<int64_t>(key, "whole number");
 }
 
+std::optional<double> TomlTable::real(std::string_view key) const {
+  const toml::node* const node = table_->get(key);
+  if (node == nullptr) {
+    return std::nullopt;
+  }
+  const std::optional<double> value = node->value<double>();
+  if (!value || node->is_boolean()) {
+    refuse(key, std::string(key) + " is no number");
+  }
+  return value;
+}
+
+std::vector<double> TomlTable::reals(std::string_view key) const {
+  const toml::node* const node = table_->get(key);
+  if (node == nullptr) {
+    return {};
+  }
+  if (node->as_array() == nullptr) {
+    refuse(key, std::string(key) + " is no list of numbers");
+  }
+  std::vector<double> all;
+  const auto add = [&](const toml::node& one) {
+    const std::optional<double> value = one.value<double>();
+    if (!value || one.is_boolean()) {
+      file_->refuse(one, std::string(key) + " has something that is no number");
+    }
+    all.push_back(*value);
+  };
+  for (const toml::node& item : *node->as_array()) {
+    if (const toml::array* const row = item.as_array()) {
+      std::ranges::for_each(*row, add);
+    } else {
+      add(item);
+    }
+  }
+  return all;
+}
+
 std::vector<std::string> TomlTable::texts(std::string_view key) const {
   const toml::node* const node = table_->get(key);
   if (node == nullptr) {

@@ -36,6 +36,7 @@ class TomlTable {
   explicit TomlTable(const TomlFile& file) : TomlTable(file, file.root()) {}
   TomlTable(const TomlFile& file, const toml::table& table) : file_(&file), table_(&table) {}
 
+  bool has(std::string_view key) const { return table_->contains(key); }
   /// Refuses other keys. `what`: the table for people, "a fleet".
   void require_only(std::span<const std::string_view> keys, std::string_view what) const;
 
@@ -43,6 +44,10 @@ class TomlTable {
   std::optional<std::string> text(std::string_view key) const;
   std::optional<bool> truth(std::string_view key) const;
   std::optional<int64_t> number(std::string_view key) const;
+  /// With or without a fraction.
+  std::optional<double> real(std::string_view key) const;
+  /// A list of numbers, or of such lists (the rows of a matrix), one after the other.
+  std::vector<double> reals(std::string_view key) const;
   /// One text or a list of texts.
   std::vector<std::string> texts(std::string_view key) const;
   /// A table in it; nothing where there is none.
