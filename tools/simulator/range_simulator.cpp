@@ -159,6 +159,24 @@ uint8_t RangeSimulator::surface_of(const SceneHit& target) {
   return target.hit.normal.z() > kLevel ? static_cast<uint8_t>(material | kLevelSurface) : material;
 }
 
+std::optional<Return> RangeSimulator::scattered_by_dust(const Pulse& pulse, const Vector3d& origin,
+                                                        const Vector3d& direction,
+                                                        double reach) const {
+  if (!effects_.dust || !(caster_.scene().dust > 0.0)) {
+    return std::nullopt;
+  }
+  // Scattering by dust is exponential in the distance.
+  const CounterRandom random(seed_, RandomStream::range);
+  const double dust =
+      -repeatable_log(1.0 - random.uniform(pulse.number * kLanes + kDust)) / caster_.scene().dust;
+  if (!(dust < reach && dust > sensor_.nearest && dust < 0.2 * sensor_.range_at_tenth)) {
+    return std::nullopt;
+  }
+  return Return{.range = dust,
+                .intensity = 1.0F,
+                .doppler = sensor_.doppler ? radial_speed(pulse, direction, 0, origin) : 0.0F};
+}
+
 Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_world_lidar) const {
   const CounterRandom random(seed_, RandomStream::range);
   const uint64_t base = pulse.number * kLanes;
@@ -166,15 +184,9 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
   const Vector3d direction = T_world_lidar.linear() * pulse.firing->direction;
   auto target = first_surface(origin, direction, pulse, kGlass);
 
-  if (effects_.dust && caster_.scene().dust > 0.0) {
-    // Scattering by dust is exponential in the distance.
-    const double dust = -repeatable_log(1.0 - random.uniform(base + kDust)) / caster_.scene().dust;
-    if (dust < (target ? target->hit.distance : sensor_.farthest) && dust > sensor_.nearest &&
-        dust < 0.2 * sensor_.range_at_tenth) {
-      return {.range = dust,
-              .intensity = 1.0F,
-              .doppler = sensor_.doppler ? radial_speed(pulse, direction, 0, origin) : 0.0F};
-    }
+  const double reach = target ? target->hit.distance : sensor_.farthest;
+  if (const auto dust = scattered_by_dust(pulse, origin, direction, reach)) {
+    return *dust;
   }
   double range = target ? target->hit.distance : 0.0;
   Vector3d beam = direction;  // to the target

@@ -80,11 +80,15 @@ class RangeSimulator {
     const MotionState* motion = nullptr;         ///< of the body by then, for the Doppler speed
     const std::vector<Mover>* movers = nullptr;  ///< moving objects within reach
   };
+
   std::vector<Mover> movers_near(const RangeSweep& sweep) const;
   Return measure(const Pulse& pulse, const Eigen::Isometry3d& T_world_lidar) const;
   std::optional<SceneHit> first_surface(const Eigen::Vector3d& origin,
                                         const Eigen::Vector3d& direction, const Pulse& pulse,
                                         uint64_t lane) const;
+  /// The echo of dust nearer than `reach` (m), where there is one.
+  std::optional<Return> scattered_by_dust(const Pulse& pulse, const Eigen::Vector3d& origin,
+                                          const Eigen::Vector3d& direction, double reach) const;
   static uint8_t surface_of(const SceneHit& target);
   double strength(const SceneHit& target, const Eigen::Vector3d& direction) const;
   /// How fast the range of something grows, m/s: of what stands still, or of moving object n - 1
