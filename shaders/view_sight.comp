@@ -48,7 +48,7 @@ uint color_at(vec2 pixel) {
   const vec3 color =
       mix(mix(color_of(at), color_of(at + ivec2(1, 0)), part.x),
           mix(color_of(at + ivec2(0, 1)), color_of(at + ivec2(1, 1)), part.x), part.y);
-  const uvec3 rounded = uvec3(color + 0.5);
+  const uvec3 rounded = uvec3(min(color * push.gain, vec3(255.0)) + 0.5);
   return rounded.x | (rounded.y << 8) | (rounded.z << 16);
 }
 

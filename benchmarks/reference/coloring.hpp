@@ -120,7 +120,8 @@ struct Look {
 
 /// What the image shows of a point of the optical frame; weight 0: it is hidden, or outside.
 inline Look look(const DepthCameraTwin& camera, std::span<const uint32_t> depth_bits,
-                 const PackedImage& image, const Eigen::Vector3d& p, double tolerance) {
+                 const PackedImage& image, const Eigen::Vector3d& p, double tolerance,
+                 const std::array<double, 3>& gain) {
   Look look;
   const auto pixel = camera.projection.pixel(p);
   if (!pixel) {
@@ -176,6 +177,9 @@ inline Look look(const DepthCameraTwin& camera, std::span<const uint32_t> depth_
         look.color[k] += share * ((packed >> (8 * k)) & 255U);
       }
     }
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    look.color[k] = std::min(255.0, gain[k] * look.color[k]);
   }
   return look;
 }

@@ -122,6 +122,7 @@ ColoringRun::ColoringRun(engine::Context& context, const ColoringCase& made)
       grid_(depth_grid(made.model)),
       radius_(made.radius),
       tolerance_(made.tolerance),
+      gain_(made.gain),
       surface_count_(static_cast<uint32_t>(made.surfaces.size())),
       point_count_(static_cast<uint32_t>(made.points.size())),
       radii_(upload(context, lens_table(made.model).radii, "a lens")),
@@ -148,8 +149,8 @@ Times ColoringRun::run() {
                           rays_);
     recorder.fill(sightings_, 0);
     recorder.barrier();
-    kernels_.record_sight(recorder, camera_, depth, points_, point_count_, tolerance_, radii_,
-                          image_, sightings_);
+    kernels_.record_sight(recorder, camera_, depth, points_, point_count_, tolerance_, gain_,
+                          radii_, image_, sightings_);
     kernels_.record_mean(recorder, sightings_, point_count_, colors_);
   });
 }
@@ -215,7 +216,9 @@ Verdict verify_sightings(const ColoringCase& made, std::span<const uint32_t> dep
     const gpu::vec3& point = made.points[i];
     const reference::Look twin = reference::look(
         camera, depth, image, T_camera_map * Eigen::Vector3d(point.x, point.y, point.z),
-        static_cast<double>(made.tolerance));
+        static_cast<double>(made.tolerance),
+        {static_cast<double>(made.gain.x), static_cast<double>(made.gain.y),
+         static_cast<double>(made.gain.z)});
     const gpu::ColorSighting& one = sightings[i * gpu::kMostSightings];
     const double weight = static_cast<double>(one.weight);
     constexpr double kUndecided = 2e-3;

@@ -28,6 +28,7 @@ struct ColoringCase {
   std::vector<uint32_t> image{};  ///< a pixel each, red in the low byte
   float radius = 0.12F;           ///< of surfaces, m
   float tolerance = 0.1F;         ///< m
+  gpu::vec3 gain = {1.125F, 0.875F, 1.25F};
 };
 ColoringCase coloring_case(const CameraModel& model, uint32_t surfaces, uint32_t points);
 /// Mildly distorted: one lens of each kind, 320 pixels wide.
@@ -51,6 +52,7 @@ class ColoringRun {
   DepthGrid grid_;
   float radius_;
   float tolerance_;
+  gpu::vec3 gain_;
   uint32_t surface_count_;
   uint32_t point_count_;
   engine::Buffer radii_;

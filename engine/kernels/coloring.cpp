@@ -44,13 +44,14 @@ void Coloring::record_depth(Recorder& recorder, const gpu::ViewCamera& camera,
 
 void Coloring::record_sight(Recorder& recorder, const gpu::ViewCamera& camera,
                             const DepthImage& depth, Slice points, uint32_t count, float tolerance,
-                            Slice lens, Slice image, Slice sightings) const {
+                            gpu::vec3 gain, Slice lens, Slice image, Slice sightings) const {
   const gpu::SightPush push{.camera = camera,
                             .point_count = count,
                             .depth_width = depth.width,
                             .depth_height = depth.height,
                             .pixels = depth.pixels,
-                            .tolerance = tolerance};
+                            .tolerance = tolerance,
+                            .gain = gain};
   const Scope scope = recorder.scope("sightings");
   recorder.dispatch(sight_, sight_.groups_for(count), push,
                     {points, lens, depth.depths, image, sightings});

@@ -35,11 +35,12 @@ class Coloring {
   void record_depth(Recorder& recorder, const gpu::ViewCamera& camera, const DepthImage& depth,
                     Slice surfaces, uint32_t count, float radius, Slice lens, Slice rays) const;
 
-  /// What the image (a uint a pixel, red in the low byte) shows of `count` points (three floats)
-  /// joins their gpu::kMostSightings sightings each. Ends with a barrier.
+  /// What the image (a uint a pixel, red in the low byte), its channels times `gain`, shows of
+  /// `count` points (three floats) joins their gpu::kMostSightings sightings each. Ends with a
+  /// barrier.
   void record_sight(Recorder& recorder, const gpu::ViewCamera& camera, const DepthImage& depth,
-                    Slice points, uint32_t count, float tolerance, Slice lens, Slice image,
-                    Slice sightings) const;
+                    Slice points, uint32_t count, float tolerance, gpu::vec3 gain, Slice lens,
+                    Slice image, Slice sightings) const;
 
   /// A colour (uint) a point.
   void record_mean(Recorder& recorder, Slice sightings, uint32_t count, Slice colors) const;

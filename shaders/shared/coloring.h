@@ -51,6 +51,7 @@ struct SightPush {
   uint depth_width, depth_height;
   float pixels;
   float tolerance;  // m behind what is seen there that still is that
+  vec3 gain;        // that the image's red, green and blue are multiplied by
 };
 
 struct MeanPush {

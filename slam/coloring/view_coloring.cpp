@@ -18,7 +18,7 @@ namespace {
 constexpr double kDepthPixel = 0.3 * kDegree;
 
 engine::DepthImage depth_image(const ViewColoring::View& view) {
-  return {.depths = view.depth,
+  return {.depths = *view.depth,
           .width = view.camera->depth_width,
           .height = view.camera->depth_height,
           .pixels = static_cast<float>(view.camera->depth_pixels)};
@@ -129,12 +129,39 @@ std::shared_ptr<const ViewColoring::Surfaces> ViewColoring::make_surfaces(
 }
 
 std::shared_ptr<const ViewColoring::View> ViewColoring::make_view(
-    std::shared_ptr<const Camera> camera, const Eigen::Isometry3d& T_map_camera,
+    const std::shared_ptr<const Camera>& camera, const Eigen::Isometry3d& T_map_camera,
     std::span<const uint8_t> rgb, std::span<const std::shared_ptr<const Surfaces>> surfaces,
     double radius) const {
-  const std::size_t pixels = camera->model.width * camera->model.height;
+  const uint64_t depth_bytes =
+      sizeof(uint32_t) * uint64_t{camera->depth_width} * camera->depth_height;
+  auto view = std::make_shared<View>(
+      View{.camera = camera,
+           .depth = std::make_shared<const engine::Buffer>(
+               context_->make_buffer(depth_bytes, engine::Memory::device, "depths")),
+           .image = image_on_device(*camera, rgb)});
+  const engine::DepthImage depth = depth_image(*view);
+  engine::Recorder recorder = context_->make_recorder();
+  kernels_.record_clear(recorder, depth);
+  for (const std::shared_ptr<const Surfaces>& some : surfaces) {
+    kernels_.record_depth(recorder, placed_camera(camera->lens, T_map_camera, some->origin), depth,
+                          some->elements, some->count, static_cast<float>(radius), camera->radii,
+                          camera->rays);
+  }
+  context_->submit(std::move(recorder)).wait();
+  return view;
+}
+
+std::shared_ptr<const ViewColoring::View> ViewColoring::repainted(
+    const View& view, std::span<const uint8_t> rgb) const {
+  return std::make_shared<const View>(View{
+      .camera = view.camera, .depth = view.depth, .image = image_on_device(*view.camera, rgb)});
+}
+
+engine::Buffer ViewColoring::image_on_device(const Camera& camera,
+                                             std::span<const uint8_t> rgb) const {
+  const std::size_t pixels = camera.model.width * camera.model.height;
   if (rgb.size() != 3 * pixels) {
-    throw std::invalid_argument("ViewColoring::make_view: expected " + std::to_string(3 * pixels) +
+    throw std::invalid_argument("ViewColoring: expected " + std::to_string(3 * pixels) +
                                 " bytes of an image, given " + std::to_string(rgb.size()));
   }
   const engine::Buffer staging =
@@ -143,32 +170,18 @@ std::shared_ptr<const ViewColoring::View> ViewColoring::make_view(
   for (std::size_t i = 0; i < pixels; ++i) {
     packed[i] = rgb[3 * i] | uint32_t{rgb[3 * i + 1]} << 8U | uint32_t{rgb[3 * i + 2]} << 16U;
   }
-  const uint64_t depth_bytes =
-      sizeof(uint32_t) * uint64_t{camera->depth_width} * camera->depth_height;
-  auto view = std::make_shared<View>(
-      View{.camera = std::move(camera),
-           .T_map_camera = T_map_camera,
-           .image = context_->make_buffer(staging.size(), engine::Memory::device, "an image"),
-           .depth = context_->make_buffer(depth_bytes, engine::Memory::device, "depths")});
-  const engine::DepthImage depth = depth_image(*view);
+  engine::Buffer image = context_->make_buffer(staging.size(), engine::Memory::device, "an image");
   engine::Recorder recorder = context_->make_recorder();
-  recorder.copy(staging, view->image);
-  kernels_.record_clear(recorder, depth);
-  for (const std::shared_ptr<const Surfaces>& some : surfaces) {
-    kernels_.record_depth(recorder, placed_camera(view->camera->lens, T_map_camera, some->origin),
-                          depth, some->elements, some->count, static_cast<float>(radius),
-                          view->camera->radii, view->camera->rays);
-  }
+  recorder.copy(staging, image);
   context_->submit(std::move(recorder)).wait();
-  return view;
+  return image;
 }
 
 std::vector<SeenColor> ViewColoring::colors(std::span<const Eigen::Vector3d> points,
                                             const Eigen::Vector3d& origin,
-                                            std::span<const std::shared_ptr<const View>> views,
-                                            double tolerance) const {
+                                            std::span<const Look> looks, double tolerance) const {
   std::vector<SeenColor> colors(points.size());
-  if (points.empty() || views.empty()) {
+  if (points.empty() || looks.empty()) {
     return colors;
   }
   const auto count = static_cast<uint32_t>(points.size());
@@ -186,10 +199,12 @@ std::vector<SeenColor> ViewColoring::colors(std::span<const Eigen::Vector3d> poi
   engine::Recorder recorder = context_->make_recorder();
   recorder.fill(sightings, 0);
   recorder.barrier();
-  for (const std::shared_ptr<const View>& view : views) {
-    kernels_.record_sight(recorder, placed_camera(view->camera->lens, view->T_map_camera, origin),
-                          depth_image(*view), local, count, static_cast<float>(tolerance),
-                          view->camera->radii, view->image, sightings);
+  for (const Look& look : looks) {
+    const Camera& camera = *look.view->camera;
+    kernels_.record_sight(recorder, placed_camera(camera.lens, look.T_map_camera, origin),
+                          depth_image(*look.view), local, count, static_cast<float>(tolerance),
+                          {look.gain[0], look.gain[1], look.gain[2]}, camera.radii,
+                          look.view->image, sightings);
   }
   kernels_.record_mean(recorder, sightings, count, back);
   context_->submit(std::move(recorder)).wait();

@@ -75,26 +75,36 @@ class ViewColoring {
   /// An image, with how far away what it shows is.
   struct View {
     std::shared_ptr<const Camera> camera;
-    Eigen::Isometry3d T_map_camera;
+    std::shared_ptr<const engine::Buffer> depth;
     engine::Buffer image;
-    engine::Buffer depth;
+
+    uint64_t bytes() const { return image.size() + depth->size(); }
   };
-  /// `rgb`: three bytes a pixel, as many as the camera has; std::invalid_argument
-  /// otherwise. `radius`: of the surfaces, m.
-  std::shared_ptr<const View> make_view(std::shared_ptr<const Camera> camera,
+  /// `rgb`: three bytes a pixel, as many as the camera has; std::invalid_argument otherwise.
+  /// `radius`: of the surfaces, m.
+  std::shared_ptr<const View> make_view(const std::shared_ptr<const Camera>& camera,
                                         const Eigen::Isometry3d& T_map_camera,
                                         std::span<const uint8_t> rgb,
                                         std::span<const std::shared_ptr<const Surfaces>> surfaces,
                                         double radius) const;
+  /// The view with another image.
+  std::shared_ptr<const View> repainted(const View& view, std::span<const uint8_t> rgb) const;
 
+  /// How a view is looked at.
+  struct Look {
+    std::shared_ptr<const View> view;
+    Eigen::Isometry3d T_map_camera;                  ///< all but that which its depths are of
+    std::array<float, 3> gain = {1.0F, 1.0F, 1.0F};  ///< of red, green and blue
+  };
   /// Colours of points, map frame, m, which lie around `origin`. A point that is farther behind
   /// what a view sees there than `tolerance` (m) is hidden.
   std::vector<SeenColor> colors(std::span<const Eigen::Vector3d> points,
-                                const Eigen::Vector3d& origin,
-                                std::span<const std::shared_ptr<const View>> views,
+                                const Eigen::Vector3d& origin, std::span<const Look> looks,
                                 double tolerance) const;
 
  private:
+  engine::Buffer image_on_device(const Camera& camera, std::span<const uint8_t> rgb) const;
+
   engine::Context* context_;
   engine::Coloring kernels_;
 };

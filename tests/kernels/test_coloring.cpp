@@ -41,7 +41,8 @@ TEST(KernelLayouts, ColoringStructsAreTheSameInCppAndGlsl) {
                                          {"depth_width", offsetof(SightPush, depth_width)},
                                          {"depth_height", offsetof(SightPush, depth_height)},
                                          {"pixels", offsetof(SightPush, pixels)},
-                                         {"tolerance", offsetof(SightPush, tolerance)}});
+                                         {"tolerance", offsetof(SightPush, tolerance)},
+                                         {"gain", offsetof(SightPush, gain)}});
   expect_layout<gpu::MeanPush>("MeanPush", {{"point_count", offsetof(gpu::MeanPush, point_count)}});
   using gpu::ViewCamera;
   expect_layout<ViewCamera>("ViewCamera", {{"T_camera_local", offsetof(ViewCamera, T_camera_local)},

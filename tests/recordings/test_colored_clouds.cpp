@@ -15,6 +15,7 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/tests/recordings/container_support.hpp"
 #include "adit/tests/support/point_files.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tools/clouds/copc_octree.hpp"
@@ -38,11 +39,6 @@ T number(const std::string& bytes, std::size_t at) {
   T value;
   std::memcpy(&value, bytes.data() + at, sizeof(value));
   return value;
-}
-
-std::string content_of(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 std::vector<LasPoint> points_with(std::size_t count, const std::function<Rgb(std::size_t)>& color) {
@@ -69,7 +65,7 @@ std::string written(const std::filesystem::path& file, const std::vector<LasPoin
   Writer writer(file, {.colored = colored}, packing...);
   writer.write(points);
   writer.close();
-  return content_of(file);
+  return test::content_of(file);
 }
 
 TEST(LazColor, WhatIsEncodedIsDecoded) {

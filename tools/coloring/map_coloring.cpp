@@ -3,8 +3,11 @@
 #include "adit/tools/coloring/map_coloring.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
+#include "adit/slam/core/lie.hpp"
+#include "adit/tools/coloring/blurred_image.hpp"
 #include "adit/tools/support/input_error.hpp"
 
 namespace adit {
@@ -21,6 +24,51 @@ struct Rated {
   std::size_t view = 0;
 };
 
+// For a camera's error: stretches of views, since those that follow each other see the same.
+constexpr std::size_t kStretches = 5;
+constexpr std::size_t kViewsAStretch = 12;
+
+bool is_within(const CameraModel& model, const Eigen::Vector2d& pixel) {
+  return pixel.x() >= -0.5 && pixel.y() >= -0.5 &&
+         pixel.x() <= static_cast<double>(model.width) - 0.5 &&
+         pixel.y() <= static_cast<double>(model.height) - 0.5;
+}
+
+/// Numbers of a camera's views: all of few, of many those in stretches that are evenly spread.
+std::vector<std::size_t> spread_views(const std::vector<MapView>& views, std::size_t camera) {
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (views[i].camera == camera) {
+      all.push_back(i);
+    }
+  }
+  if (all.size() <= kStretches * kViewsAStretch) {
+    return all;
+  }
+  std::vector<std::size_t> spread;
+  for (std::size_t i = 0; i < kStretches; ++i) {
+    const std::size_t first = i * (all.size() - kViewsAStretch) / (kStretches - 1);
+    spread.insert(spread.end(), all.begin() + static_cast<std::ptrdiff_t>(first),
+                  all.begin() + static_cast<std::ptrdiff_t>(first + kViewsAStretch));
+  }
+  return spread;
+}
+
+Eigen::Isometry3d turned_by(const CameraError& error) {
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+  turn.linear() = so3_exp(error.head<3>());
+  return turn;
+}
+
+/// T_map_camera of an image, if the camera's error were this.
+std::optional<Eigen::Isometry3d> camera_pose(const SensorPath& path, const CameraSource& camera,
+                                             std::size_t image, const CameraError& error) {
+  const auto T_map_lidar =
+      path.at(camera.images->stamps()[image] + nanoseconds(camera.time_offset + error[3]));
+  return T_map_lidar ? std::optional(*T_map_lidar * *camera.T_lidar_camera * turned_by(error))
+                     : std::nullopt;
+}
+
 }  // namespace
 
 MapColoring::MapColoring(const MapDatabase& map, engine::Context& context,
@@ -29,7 +77,9 @@ MapColoring::MapColoring(const MapDatabase& map, engine::Context& context,
     : coloring_(context),
       surfaces_(map, coloring_, submap_bytes),
       cameras_(std::move(cameras)),
-      views_(choose_views(cameras_, path)) {
+      path_(path),
+      views_(choose_views(cameras_, path_)),
+      gains_(views_.size(), {1.0F, 1.0F, 1.0F}) {
   for (const CameraSource& camera : cameras_) {
     projections_.emplace_back(camera.model);
     lenses_.push_back(coloring_.make_camera(camera.model));
@@ -69,9 +119,7 @@ std::vector<std::size_t> MapColoring::views_of(std::span<const CloudPoint> point
       const CameraModel& model = cameras_[camera].model;
       const Eigen::Vector3d p = one.T_camera_map * points[i].position;
       const auto pixel = p.norm() < reach_of(camera) ? projections_[camera].pixel(p) : std::nullopt;
-      if (pixel && pixel->x() >= -0.5 && pixel->y() >= -0.5 &&
-          pixel->x() <= static_cast<double>(model.width) - 0.5 &&
-          pixel->y() <= static_cast<double>(model.height) - 0.5) {
+      if (pixel && is_within(model, *pixel)) {
         rated.push_back({.weight = model.fx * model.fy / p.squaredNorm(), .view = one.number});
       }
     }
@@ -87,23 +135,143 @@ std::vector<std::size_t> MapColoring::views_of(std::span<const CloudPoint> point
   return {chosen.begin(), chosen.end()};
 }
 
-MapColoring::View MapColoring::make(std::size_t number) {
-  const MapView& wanted = views_[number];
+std::optional<ColorImage> MapColoring::image_of(const MapView& view) {
+  const CameraSource& camera = cameras_[view.camera];
   try {
-    const ColorImage image = cameras_[wanted.camera].images->image(wanted.image);
-    const CameraModel& model = cameras_[wanted.camera].model;
-    if (image.width != model.width || image.height != model.height) {
-      ++counts_.damaged;
-      return nullptr;
+    ColorImage image = camera.images->image(view.image);
+    if (image.width == camera.model.width && image.height == camera.model.height) {
+      return image;
     }
-    const auto surfaces =
-        surfaces_.near(wanted.T_map_camera.translation(), reach_of(wanted.camera));
-    return coloring_.make_view(lenses_[wanted.camera], wanted.T_map_camera, image.rgb, surfaces,
-                               surfaces_.spacing());
   } catch (const InputError&) {
-    ++counts_.damaged;
-    return nullptr;
+    // counted below
   }
+  damaged_.insert({view.camera, view.image});
+  return std::nullopt;
+}
+
+MapColoring::View MapColoring::view_of(const MapView& view, std::span<const uint8_t> rgb) {
+  const auto surfaces = surfaces_.near(view.T_map_camera.translation(), reach_of(view.camera));
+  return coloring_.make_view(lenses_[view.camera], view.T_map_camera, rgb, surfaces,
+                             surfaces_.spacing());
+}
+
+MapColoring::View MapColoring::make(std::size_t number) {
+  const std::optional<ColorImage> image = image_of(views_[number]);
+  return image ? view_of(views_[number], image->rgb) : nullptr;
+}
+
+std::vector<SurfaceSample> MapColoring::samples_of(const MapView& view) {
+  const CameraProjection& projection = projections_[view.camera];
+  const Eigen::Isometry3d T_camera_map = view.T_map_camera.inverse();
+  const double reach = reach_of(view.camera);
+  std::vector<SurfaceSample> samples =
+      surfaces_.samples_near(view.T_map_camera.translation(), reach);
+  std::erase_if(samples, [&](const SurfaceSample& sample) {
+    const Eigen::Vector3d p = T_camera_map * sample.p;
+    const auto pixel = p.norm() < reach ? projection.pixel(p) : std::nullopt;
+    return !pixel || !is_within(projection.camera(), *pixel);
+  });
+  return samples;
+}
+
+CameraFinding MapColoring::find_error(std::size_t camera) {
+  struct Used {
+    std::size_t number;
+    MapView view;
+    View sharp;
+    ColorImage image;
+    std::vector<SurfaceSample> samples;
+    std::vector<Eigen::Vector3d> places;
+    View blurred;
+    int blur;
+  };
+  std::vector<Used> used;
+  for (const std::size_t number : spread_views(views_, camera)) {
+    if (std::optional<ColorImage> image = image_of(views_[number])) {
+      Used one{.number = number,
+               .view = views_[number],
+               .sharp = view_of(views_[number], image->rgb),
+               .image = std::move(*image),
+               .samples = samples_of(views_[number]),
+               .places = {},
+               .blurred = nullptr,
+               .blur = -1};
+      std::ranges::transform(one.samples, std::back_inserter(one.places), &SurfaceSample::p);
+      used.push_back(std::move(one));
+    }
+  }
+  const CameraSource& source = cameras_[camera];
+  const SightSurfaces sight = [&](const CameraError& error, int blur) {
+    std::vector<Sighted> all;
+    for (Used& one : used) {
+      if (one.blur != blur) {
+        one.blurred = coloring_.repainted(*one.sharp, blurred(one.image, blur).rgb);
+        one.blur = blur;
+      }
+      const auto pose = camera_pose(path_, source, one.view.image, error);
+      if (!pose) {
+        continue;
+      }
+      const ViewColoring::Look look{.view = one.blurred, .T_map_camera = *pose};
+      const std::vector<SeenColor> seen = coloring_.colors(
+          one.places, one.view.T_map_camera.translation(), {&look, 1}, surfaces_.spacing());
+      for (std::size_t i = 0; i < seen.size(); ++i) {
+        if (is_exposed(seen[i])) {
+          all.push_back(
+              {.surface = one.samples[i].key, .view = one.number, .color = log_color(seen[i])});
+        }
+      }
+    }
+    std::ranges::sort(all, {}, [](const Sighted& one) { return std::pair(one.surface, one.view); });
+    return all;
+  };
+  const double pixel = 1.0 / source.model.fx;
+  constexpr double kTimeStep = 0.005;  // s: a pixel or less at walking speed
+  const CameraErrorEstimate found = estimate_camera_error(sight, {pixel, pixel, pixel, kTimeStep});
+  return {.camera = source.name, .error = found.error, .corrected = found.is_better()};
+}
+
+void MapColoring::balance(const std::function<void(std::size_t, std::size_t)>& progress) {
+  // Of many views fewer samples each: memory holds so many colours.
+  constexpr std::size_t kViewsWithAll = 256;
+  const uint64_t one_in = 1 + views_.size() / kViewsWithAll;
+  std::map<uint64_t, SurfaceColors> surfaces;
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    if (const View one = view(i)) {
+      std::vector<SurfaceSample> samples = samples_of(views_[i]);
+      std::erase_if(samples, [&](const SurfaceSample& sample) { return sample.key % one_in != 0; });
+      std::vector<Eigen::Vector3d> places;
+      std::ranges::transform(samples, std::back_inserter(places), &SurfaceSample::p);
+      const ViewColoring::Look look{.view = one, .T_map_camera = views_[i].T_map_camera};
+      const std::vector<SeenColor> seen = coloring_.colors(
+          places, views_[i].T_map_camera.translation(), {&look, 1}, surfaces_.spacing());
+      for (std::size_t k = 0; k < seen.size(); ++k) {
+        if (is_exposed(seen[k])) {
+          surfaces[samples[k].key].views.push_back({.view = i, .color = log_color(seen[k])});
+        }
+      }
+    }
+    progress(i + 1, views_.size());
+  }
+  gains_ = balanced_gains(views_.size(), ratios_of(surfaces));
+}
+
+std::vector<CameraFinding> MapColoring::prepare(
+    bool corrects, const std::function<void(std::size_t, std::size_t)>& progress) {
+  std::vector<CameraFinding> findings;
+  for (std::size_t i = 0; corrects && i < cameras_.size(); ++i) {
+    findings.push_back(find_error(i));
+  }
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    if (findings[i].corrected) {
+      cameras_[i].time_offset += findings[i].late();
+      *cameras_[i].T_lidar_camera = *cameras_[i].T_lidar_camera * turned_by(findings[i].error);
+    }
+  }
+  views_ = choose_views(cameras_, path_);
+  gains_.assign(views_.size(), {1.0F, 1.0F, 1.0F});
+  balance(progress);
+  return findings;
 }
 
 MapColoring::View MapColoring::view(std::size_t number) {
@@ -113,9 +281,7 @@ MapColoring::View MapColoring::view(std::size_t number) {
   }
   kept_.push_front({.number = number, .view = make(number)});
   places_[number] = kept_.begin();
-  const auto bytes = [](const Kept& kept) {
-    return kept.view ? kept.view->image.size() + kept.view->depth.size() : 0;
-  };
+  const auto bytes = [](const Kept& kept) { return kept.view ? kept.view->bytes() : 0; };
   kept_bytes_ += bytes(kept_.front());
   while (kept_bytes_ > kMostViewBytes && kept_.size() > 1) {
     kept_bytes_ -= bytes(kept_.back());
@@ -127,20 +293,23 @@ MapColoring::View MapColoring::view(std::size_t number) {
 
 void MapColoring::color(std::span<CloudPoint> points, const Eigen::Vector3d& sensor) {
   counts_.points += points.size();
-  std::vector<View> views;
+  std::vector<ViewColoring::Look> looks;
   for (const std::size_t number : views_of(points, sensor)) {
     if (View one = view(number)) {
-      views.push_back(std::move(one));
+      looks.push_back({.view = std::move(one),
+                       .T_map_camera = views_[number].T_map_camera,
+                       .gain = gains_[number]});
       used_.insert(number);
     }
   }
   counts_.views = used_.size();
+  counts_.damaged = damaged_.size();
   std::vector<Eigen::Vector3d> places;
   places.reserve(points.size());
   for (const CloudPoint& point : points) {
     places.push_back(point.position);
   }
-  const std::vector<SeenColor> seen = coloring_.colors(places, sensor, views, surfaces_.spacing());
+  const std::vector<SeenColor> seen = coloring_.colors(places, sensor, looks, surfaces_.spacing());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (seen[i].sightings > 0 && !points[i].moving) {
       points[i].color = seen[i].color;

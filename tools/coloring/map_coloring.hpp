@@ -5,22 +5,38 @@
 // (docs/theory/coloring.md).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "adit/slam/coloring/view_coloring.hpp"
 #include "adit/tools/cameras/camera_source.hpp"
+#include "adit/tools/coloring/camera_mounting.hpp"
 #include "adit/tools/coloring/map_views.hpp"
 #include "adit/tools/coloring/view_surfaces.hpp"
 #include "adit/tools/map_products/cloud_selection.hpp"
 
 namespace adit {
+
+/// What a camera's views say of its mounting and clock.
+struct CameraFinding {
+  std::string camera;
+  CameraError error = CameraError::Zero();
+  bool corrected = false;  ///< surfaces that were kept aside agree: colours are made with it
+
+  double turned() const { return error.head<3>().norm(); }  ///< rad
+  double late() const { return error[3]; }                  ///< s, images after their stamps
+};
 
 /// What colouring came to.
 struct ColoringCounts {
@@ -36,6 +52,11 @@ class MapColoring {
   /// Cameras with images and a mounting. The map and the context must outlive it.
   MapColoring(const MapDatabase& map, engine::Context& context, std::vector<CameraSource> cameras,
               const SensorPath& path, uint64_t submap_bytes);
+
+  /// Finds the gains of all views and, where `corrects`, the cameras' errors before. `progress` by
+  /// images that were looked at.
+  std::vector<CameraFinding> prepare(
+      bool corrects, const std::function<void(std::size_t done, std::size_t total)>& progress);
 
   /// Gives points that were seen from around `sensor` their colours; both map frame, m. What moves
   /// stays black: it was elsewhere when most images were taken.
@@ -55,6 +76,13 @@ class MapColoring {
                                     const Eigen::Vector3d& sensor) const;
   View view(std::size_t number);
   View make(std::size_t number);
+  /// The image of a view; none where it cannot be read.
+  std::optional<ColorImage> image_of(const MapView& view);
+  View view_of(const MapView& view, std::span<const uint8_t> rgb);
+  /// The samples that a view may see.
+  std::vector<SurfaceSample> samples_of(const MapView& view);
+  CameraFinding find_error(std::size_t camera);
+  void balance(const std::function<void(std::size_t, std::size_t)>& progress);
   double reach_of(std::size_t camera) const;
 
   ViewColoring coloring_;
@@ -62,11 +90,14 @@ class MapColoring {
   std::vector<CameraSource> cameras_;
   std::vector<CameraProjection> projections_;
   std::vector<std::shared_ptr<const ViewColoring::Camera>> lenses_;
+  SensorPath path_;
   std::vector<MapView> views_;
-  std::list<Kept> kept_;  ///< the one that was needed last in front
+  std::vector<std::array<float, 3>> gains_;  ///< by view
+  std::list<Kept> kept_;                     ///< the one that was needed last in front
   std::map<std::size_t, std::list<Kept>::iterator> places_;
   uint64_t kept_bytes_ = 0;
   std::set<std::size_t> used_;
+  std::set<std::pair<std::size_t, std::size_t>> damaged_;  ///< camera and image
   ColoringCounts counts_;
 };
 

@@ -19,6 +19,11 @@ double spacing_of(const MapDatabase& map, SubmapCache& submaps) {
   return keyframes.empty() ? 1.0 : load_submap(submaps, keyframes.front().id, map.file())->r_submap;
 }
 
+/// By the voxel alone, spread evenly: the upper bits of Fibonacci hashing (Knuth 1973).
+bool is_sample(uint64_t key) {
+  return ((key * 0x9e3779b97f4a7c15U) >> 32U) % ViewSurfaces::kOneIn == 0;
+}
+
 }  // namespace
 
 ViewSurfaces::ViewSurfaces(const MapDatabase& map, const ViewColoring& coloring,
@@ -35,22 +40,34 @@ std::vector<std::shared_ptr<const ViewColoring::Surfaces>> ViewSurfaces::near(
   const Eigen::Vector2d around(reach, reach);
   visit_tiles(grid_, {place.head<2>() - around, place.head<2>() + around},
               [&](const TileNumber& number) {
-                if (auto one = tile(number)) {
-                  all.push_back(std::move(one));
+                if (const Kept* one = tile(number); one != nullptr && one->surfaces) {
+                  all.push_back(one->surfaces);
                 }
               });
   return all;
 }
 
-std::shared_ptr<const ViewColoring::Surfaces> ViewSurfaces::tile(const TileNumber& number) {
+std::vector<SurfaceSample> ViewSurfaces::samples_near(const Eigen::Vector3d& place, double reach) {
+  std::vector<SurfaceSample> all;
+  const Eigen::Vector2d around(reach, reach);
+  visit_tiles(grid_, {place.head<2>() - around, place.head<2>() + around},
+              [&](const TileNumber& number) {
+                if (const Kept* one = tile(number)) {
+                  all.insert(all.end(), one->samples.begin(), one->samples.end());
+                }
+              });
+  return all;
+}
+
+const ViewSurfaces::Kept* ViewSurfaces::tile(const TileNumber& number) {
   if (!keyframes_.contains(number)) {
     return nullptr;
   }
   if (const auto place = places_.find(number); place != places_.end()) {
     kept_.splice(kept_.begin(), kept_, place->second);
-    return kept_.front().surfaces;
+    return &kept_.front();
   }
-  kept_.push_front({.number = number, .surfaces = make(number)});
+  kept_.push_front(make(number));
   places_[number] = kept_.begin();
   const auto bytes = [](const Kept& kept) {
     return kept.surfaces ? kept.surfaces->elements.size() : 0;
@@ -61,14 +78,15 @@ std::shared_ptr<const ViewColoring::Surfaces> ViewSurfaces::tile(const TileNumbe
     places_.erase(kept_.back().number);
     kept_.pop_back();
   }
-  return kept_.front().surfaces;
+  return &kept_.front();
 }
 
-std::shared_ptr<const ViewColoring::Surfaces> ViewSurfaces::make(const TileNumber& number) {
+ViewSurfaces::Kept ViewSurfaces::make(const TileNumber& number) {
   const double across = grid_.cell * static_cast<double>(grid_.across);
   const Eigen::Vector3d origin((static_cast<double>(number.x) + 0.5) * across,
                                (static_cast<double>(number.y) + 0.5) * across, 0.0);
   std::vector<gpu::ViewSurface> elements;
+  Kept made{.number = number, .surfaces = nullptr};
   std::unordered_set<uint64_t> taken;
   for (const MapKeyframe& keyframe : keyframes_.at(number)) {
     const auto submap = load_submap(submaps_, keyframe.id, map_->file());
@@ -78,13 +96,19 @@ std::shared_ptr<const ViewColoring::Surfaces> ViewSurfaces::make(const TileNumbe
           !taken.insert(key_of(voxel_of(p, grid_.cell))).second) {
         continue;
       }
+      if (const uint64_t key = key_of(voxel_of(p, grid_.cell)); is_sample(key)) {
+        made.samples.push_back({.key = key, .p = p});
+      }
       const Eigen::Vector3f local = (p - origin).cast<float>();
       elements.push_back(
           {.p = {local.x(), local.y(), local.z()},
            .surface = turned_surface(keyframe.T_map_keyframe.linear(), point.surface)});
     }
   }
-  return elements.empty() ? nullptr : coloring_->make_surfaces(origin, elements);
+  if (!elements.empty()) {
+    made.surfaces = coloring_->make_surfaces(origin, elements);
+  }
+  return made;
 }
 
 }  // namespace adit

@@ -15,6 +15,12 @@
 
 namespace adit {
 
+/// A point of the map by which images are compared.
+struct SurfaceSample {
+  uint64_t key = 0;                             ///< its own, and the same whenever it is asked for
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< map frame, m
+};
+
 /// The surfaces of a map on the device, tile by tile: one a voxel of the submaps' spacing. Those
 /// that were needed last stay.
 class ViewSurfaces {
@@ -28,16 +34,19 @@ class ViewSurfaces {
   /// Those of all tiles within `reach` (m) of a place, map frame, m.
   std::vector<std::shared_ptr<const ViewColoring::Surfaces>> near(const Eigen::Vector3d& place,
                                                                   double reach);
+  /// One in so many of their points.
+  static constexpr uint64_t kOneIn = 16;
+  std::vector<SurfaceSample> samples_near(const Eigen::Vector3d& place, double reach);
 
  private:
-  /// Null: nothing is in the tile.
-  std::shared_ptr<const ViewColoring::Surfaces> tile(const TileNumber& number);
-  std::shared_ptr<const ViewColoring::Surfaces> make(const TileNumber& number);
-
   struct Kept {
     TileNumber number;
-    std::shared_ptr<const ViewColoring::Surfaces> surfaces;
+    std::shared_ptr<const ViewColoring::Surfaces> surfaces;  ///< null: nothing is in the tile
+    std::vector<SurfaceSample> samples{};
   };
+  /// Null: no keyframe sees into the tile.
+  const Kept* tile(const TileNumber& number);
+  Kept make(const TileNumber& number);
 
   const MapDatabase* map_;
   const ViewColoring* coloring_;

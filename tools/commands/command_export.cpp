@@ -298,6 +298,7 @@ int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& er
                 .file = *options.output,
                 .georeference = options.origin ? parse_origin(*options.origin) : map.georeference(),
                 .memory = &memory,
+                .out = &out,
                 .err = &err};
   // What cannot be completed leaves what was there; devices and pipes have no place to take.
   std::error_code ignored;

@@ -10,8 +10,9 @@ void check_color_options(const ExportCommandOptions& options) {
   if (options.color && options.dense.empty()) {
     throw UsageError("--colorize is for --dense: the points of submaps are means of many.");
   }
-  if (!options.color && (!options.cameras.empty() || options.calibration)) {
-    throw UsageError("--camera and --calibration need --colorize.");
+  if (!options.color &&
+      (!options.cameras.empty() || options.calibration || options.as_calibrated)) {
+    throw UsageError("--camera, --calibration and --as-calibrated need --colorize.");
   }
 }
 
@@ -28,6 +29,9 @@ void add_color_options(const Command& command, ExportCommandOptions& options) {
               "A file of cameras: where they are mounted, their lenses, folders of images (TOML, "
               "Kalibr's camchain, OpenCV's YAML)")
       .value_name("FILE");
+  command.flag("--as-calibrated", options.as_calibrated,
+               "Cameras are mounted and their clocks are as the recording or the file says; "
+               "otherwise small errors are found and corrected where images agree better then");
 }
 
 }  // namespace adit

@@ -30,7 +30,8 @@ struct ExportJob {
   std::shared_ptr<const MovedSpace> moved{};   ///< null: it was not looked for
   std::shared_ptr<const GoneSpace> gone{};     ///< the same
   const MemoryLimit* memory = nullptr;
-  std::ostream* err = nullptr;
+  std::ostream* out = nullptr;  ///< what is found on the way
+  std::ostream* err = nullptr;  ///< progress
 };
 
 /// Numbers with commas between them; nothing where one is none.

@@ -26,7 +26,8 @@ struct ExportCommandOptions {
   bool color = false;                                ///< of dense: by the images of cameras
   std::vector<std::string> cameras{};                ///< topics of images; empty: all
   std::optional<std::filesystem::path> calibration{};  ///< a file of cameras
-  std::optional<double> resolution{};                  ///< m, one point of the cloud a voxel
+  bool as_calibrated = false;          ///< cameras' mountings and clocks are not looked into
+  std::optional<double> resolution{};  ///< m, one point of the cloud a voxel
   bool picture = false;
   bool dump = false;
   uint64_t max_ram_bytes = 0;        ///< that may be resident; 0: no limit

@@ -1,0 +1,186 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/coloring/camera_mounting.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include <Eigen/Cholesky>
+
+#include "adit/slam/core/median.hpp"
+#include "adit/slam/core/units.hpp"
+
+namespace adit {
+namespace {
+
+constexpr std::array<int, 3> kBlurs = {8, 4, 1};  // pixels
+constexpr int kRoundsABlur = 3;
+// A rotation of the camera shifts all of an image alike, so that what neighbouring surfaces say of
+// it is not independent: so many count as one.
+constexpr double kDependent = 10.0;
+
+/// Pairs of a surface's sightings.
+struct Pair {
+  std::size_t a = 0;  ///< indices of the sightings
+  std::size_t b = 0;
+  bool tests = false;
+};
+
+std::vector<Pair> pairs_of(const std::vector<Sighted>& sighted) {
+  std::vector<Pair> pairs;
+  for (std::size_t begin = 0; begin < sighted.size();) {
+    std::size_t end = begin + 1;
+    while (end < sighted.size() && sighted[end].surface == sighted[begin].surface) {
+      ++end;
+    }
+    for (const auto& [i, j] : far_pairs(end - begin)) {
+      // Any bit of the key that does not choose the samples.
+      const bool tests = ((sighted[begin].surface * 0x9e3779b97f4a7c15U) >> 60U) % 2 == 1;
+      pairs.push_back({.a = begin + i, .b = begin + j, .tests = tests});
+    }
+    begin = end;
+  }
+  return pairs;
+}
+
+/// Of the differences within each pair of views, less the median of that pair: what is left when
+/// exposures are balanced.
+class Balance {
+ public:
+  Balance(const std::vector<Sighted>& sighted, const std::vector<Pair>& pairs) {
+    std::map<std::pair<std::size_t, std::size_t>, std::array<std::vector<double>, 3>> all;
+    for (const Pair& pair : pairs) {
+      const LogColor difference = sighted[pair.b].color - sighted[pair.a].color;
+      for (std::size_t k = 0; k < 3; ++k) {
+        all[{sighted[pair.a].view, sighted[pair.b].view}][k].push_back(
+            difference[static_cast<Eigen::Index>(k)]);
+      }
+    }
+    for (auto& [views, values] : all) {
+      medians_[views] = {median(values[0]), median(values[1]), median(values[2])};
+    }
+  }
+  LogColor residual(const std::vector<Sighted>& sighted, const Pair& pair) const {
+    const auto found = medians_.find({sighted[pair.a].view, sighted[pair.b].view});
+    const LogColor difference = sighted[pair.b].color - sighted[pair.a].color;
+    return found == medians_.end() ? difference : LogColor(difference - found->second);
+  }
+
+ private:
+  std::map<std::pair<std::size_t, std::size_t>, LogColor> medians_;
+};
+
+/// The sighting of the same surface in the same view, where there is one.
+std::optional<LogColor> color_in(const std::vector<Sighted>& all, const Sighted& one) {
+  const auto key = [](const Sighted& sighted) { return std::pair(sighted.surface, sighted.view); };
+  const auto found = std::ranges::lower_bound(all, key(one), {}, key);
+  return found != all.end() && key(*found) == key(one) ? std::optional(found->color) : std::nullopt;
+}
+
+/// How a pair's difference changes with each part of the error; none where a step hides it.
+std::optional<Eigen::Matrix<double, 3, 4>> slope(
+    const std::vector<Sighted>& sighted, const Pair& pair,
+    const std::array<std::array<std::vector<Sighted>, 2>, 4>& stepped, const CameraError& step) {
+  Eigen::Matrix<double, 3, 4> jacobian;
+  for (std::size_t k = 0; k < 4; ++k) {
+    std::array<LogColor, 2> differences;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const auto a = color_in(stepped[k][side], sighted[pair.a]);
+      const auto b = color_in(stepped[k][side], sighted[pair.b]);
+      if (!a || !b) {
+        return std::nullopt;
+      }
+      differences[side] = *b - *a;
+    }
+    const auto column = static_cast<Eigen::Index>(k);
+    jacobian.col(column) = (differences[1] - differences[0]) / (2.0 * step[column]);
+  }
+  return jacobian;
+}
+
+/// One step of Gauss-Newton with Cauchy's weights.
+CameraError improved(const SightSurfaces& sight, const CameraError& error, const CameraError& step,
+                     int blur) {
+  const std::vector<Sighted> sighted = sight(error, blur);
+  std::array<std::array<std::vector<Sighted>, 2>, 4> stepped;
+  for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      CameraError moved = error;
+      const auto part = static_cast<Eigen::Index>(k);
+      moved[part] += (side == 0 ? -1.0 : 1.0) * blur * step[part];
+      stepped[k][side] = sight(moved, blur);
+    }
+  }
+  std::vector<Pair> pairs = pairs_of(sighted);
+  std::erase_if(pairs, [](const Pair& pair) { return pair.tests; });
+  if (pairs.empty()) {
+    return error;
+  }
+  const Balance balance(sighted, pairs);
+  std::vector<double> sizes;
+  for (const Pair& pair : pairs) {
+    sizes.push_back(balance.residual(sighted, pair).norm());
+  }
+  constexpr double kSigmaOfMedian = 1.0 / 1.5382;  // of the length of a normal vector of three
+  const double sigma = std::max(1e-3, kSigmaOfMedian * median(sizes));
+  const Eigen::Vector4d prior = camera_error_prior().cwiseAbs2().cwiseInverse();
+  Eigen::Matrix4d normal = prior.asDiagonal();
+  Eigen::Vector4d right = -prior.cwiseProduct(error);
+  for (const Pair& pair : pairs) {
+    if (const auto jacobian = slope(sighted, pair, stepped, blur * step)) {
+      const LogColor residual = balance.residual(sighted, pair);
+      const double weight = 1.0 / (kDependent * sigma * sigma *
+                                   (1.0 + residual.squaredNorm() / (3.0 * sigma * sigma)));
+      normal += weight * jacobian->transpose() * *jacobian;
+      right -= weight * jacobian->transpose() * residual;
+    }
+  }
+  return error + normal.ldlt().solve(right);
+}
+
+}  // namespace
+
+CameraError camera_error_prior() {
+  return {kDegree, kDegree, kDegree, 0.02};
+}
+
+bool CameraErrorEstimate::is_better() const {
+  const double sum = static_cast<double>(better + worse);
+  return static_cast<double>(better) - static_cast<double>(worse) > 3.0 * std::sqrt(sum);
+}
+
+CameraErrorEstimate estimate_camera_error(const SightSurfaces& sight, const CameraError& step) {
+  CameraErrorEstimate estimate;
+  for (const int blur : kBlurs) {
+    for (int round = 0; round < kRoundsABlur; ++round) {
+      estimate.error = improved(sight, estimate.error, step, blur);
+    }
+  }
+  const std::vector<Sighted> before = sight(CameraError::Zero(), kBlurs.back());
+  const std::vector<Sighted> after = sight(estimate.error, kBlurs.back());
+  const std::vector<Pair> pairs_before = pairs_of(before);
+  const std::vector<Pair> pairs_after = pairs_of(after);
+  const Balance balance_before(before, pairs_before);
+  const Balance balance_after(after, pairs_after);
+  std::map<std::pair<uint64_t, std::pair<std::size_t, std::size_t>>, double> sizes;
+  for (const Pair& pair : pairs_before) {
+    if (pair.tests) {
+      sizes[{before[pair.a].surface, {before[pair.a].view, before[pair.b].view}}] =
+          balance_before.residual(before, pair).norm();
+    }
+  }
+  for (const Pair& pair : pairs_after) {
+    const auto found =
+        sizes.find({after[pair.a].surface, {after[pair.a].view, after[pair.b].view}});
+    if (pair.tests && found != sizes.end()) {
+      const double size = balance_after.residual(after, pair).norm();
+      ++(size < found->second ? estimate.better : estimate.worse);
+    }
+  }
+  return estimate;
+}
+
+}  // namespace adit

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/coloring/view_pairs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/SparseCholesky>
+
+#include "adit/slam/core/median.hpp"
+
+namespace adit {
+namespace {
+
+// Of 8 bits: below, rounding is a tenth of the value; above, a sensor may be saturated.
+constexpr uint8_t kDarkest = 5;
+constexpr uint8_t kBrightest = 250;
+// Of a surface's logarithm between two views: gloss, an edge between two pixels. Its square over
+// the number of surfaces is a median's variance; no fewer than 1/16 of it, since what disturbs one
+// disturbs its neighbours.
+constexpr double kSurfaceSigma = 0.2;
+constexpr std::size_t kMostIndependent = 256;
+constexpr double kPriorSigma = std::numbers::ln2;
+
+}  // namespace
+
+bool is_exposed(const SeenColor& seen) {
+  return seen.sightings > 0 && std::ranges::all_of(seen.color, [](uint8_t value) {
+           return value >= kDarkest && value <= kBrightest;
+         });
+}
+
+LogColor log_color(const SeenColor& seen) {
+  return {std::log(static_cast<double>(seen.color[0])),
+          std::log(static_cast<double>(seen.color[1])),
+          std::log(static_cast<double>(seen.color[2]))};
+}
+
+std::vector<std::pair<std::size_t, std::size_t>> far_pairs(std::size_t views) {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  const std::size_t apart = std::max<std::size_t>(1, views / 2);
+  for (std::size_t i = 0; i + apart < views; ++i) {
+    pairs.emplace_back(i, i + apart);
+  }
+  return pairs;
+}
+
+std::vector<ViewRatio> ratios_of(const std::map<uint64_t, SurfaceColors>& surfaces) {
+  std::map<std::pair<std::size_t, std::size_t>, std::array<std::vector<double>, 3>> logs;
+  for (const auto& [key, surface] : surfaces) {
+    for (const auto& [i, j] : far_pairs(surface.views.size())) {
+      const SurfaceColors::One& a = surface.views[i];
+      const SurfaceColors::One& b = surface.views[j];
+      auto& of_pair = logs[{a.view, b.view}];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto channel = static_cast<Eigen::Index>(k);
+        of_pair[k].push_back(b.color[channel] - a.color[channel]);
+      }
+    }
+  }
+  std::vector<ViewRatio> ratios;
+  for (auto& [pair, of_pair] : logs) {
+    ratios.push_back({.a = pair.first,
+                      .b = pair.second,
+                      .median = {median(of_pair[0]), median(of_pair[1]), median(of_pair[2])},
+                      .surfaces = of_pair[0].size()});
+  }
+  return ratios;
+}
+
+std::vector<std::array<float, 3>> balanced_gains(std::size_t views,
+                                                 std::span<const ViewRatio> ratios) {
+  std::vector<std::array<float, 3>> gains(views, {1.0F, 1.0F, 1.0F});
+  if (ratios.empty()) {
+    return gains;
+  }
+  const auto size = static_cast<Eigen::Index>(views);
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(size, 3);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    entries.emplace_back(i, i, 1.0 / (kPriorSigma * kPriorSigma));
+  }
+  for (const ViewRatio& ratio : ratios) {
+    const double weight = static_cast<double>(std::min(ratio.surfaces, kMostIndependent)) /
+                          (kSurfaceSigma * kSurfaceSigma);
+    const auto a = static_cast<Eigen::Index>(ratio.a);
+    const auto b = static_cast<Eigen::Index>(ratio.b);
+    entries.emplace_back(a, a, weight);
+    entries.emplace_back(b, b, weight);
+    entries.emplace_back(a, b, -weight);
+    entries.emplace_back(b, a, -weight);
+    right.row(a) += weight * ratio.median.transpose();
+    right.row(b) -= weight * ratio.median.transpose();
+  }
+  Eigen::SparseMatrix<double> normal(size, size);
+  normal.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
+  const Eigen::MatrixX3d logs = solver.solve(right);
+  for (std::size_t i = 0; i < views; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      gains[i][k] = static_cast<float>(
+          std::exp(logs(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k))));
+    }
+  }
+  return gains;
+}
+
+}  // namespace adit
