@@ -42,12 +42,14 @@ vec3 color_of(ivec2 at) {
   return vec3(packed & 255u, (packed >> 8) & 255u, (packed >> 16) & 255u);
 }
 
-uint color_at(vec2 pixel) {
+vec3 color_at(vec2 pixel) {
   const ivec2 at = ivec2(floor(pixel));
   const vec2 part = pixel - vec2(at);
-  const vec3 color =
-      mix(mix(color_of(at), color_of(at + ivec2(1, 0)), part.x),
-          mix(color_of(at + ivec2(0, 1)), color_of(at + ivec2(1, 1)), part.x), part.y);
+  return mix(mix(color_of(at), color_of(at + ivec2(1, 0)), part.x),
+             mix(color_of(at + ivec2(0, 1)), color_of(at + ivec2(1, 1)), part.x), part.y);
+}
+
+uint pack(vec3 color) {
   const uvec3 rounded = uvec3(min(color * push.gain, vec3(255.0)) + 0.5);
   return rounded.x | (rounded.y << 8) | (rounded.z << 16);
 }
@@ -68,7 +70,10 @@ void main() {
   if (!((range - push.tolerance) * near <= 1.0) || near == 0.0) {
     return;
   }
-  const float weight = push.camera.fx * push.camera.fy / (range * range);
+  const vec3 color = color_at(pixel.at);
+  const bool saturated = max(max(color.x, color.y), color.z) > float(kBrightest);
+  const float weight =
+      push.camera.fx * push.camera.fy / (range * range) * (saturated ? kSaturatedWorth : 1.0);
   const uint first = i * kMostSightings;
   uint least = 0;
   float least_weight = sightings[first].weight;
@@ -80,6 +85,6 @@ void main() {
     }
   }
   if (weight > least_weight) {
-    sightings[first + least] = ColorSighting(color_at(pixel.at), weight);
+    sightings[first + least] = ColorSighting(pack(color), weight);
   }
 }

@@ -178,6 +178,9 @@ inline Look look(const DepthCameraTwin& camera, std::span<const uint32_t> depth_
       }
     }
   }
+  const double brightest = std::ranges::max(look.color);
+  look.margin = std::min(look.margin, std::abs(brightest - gpu::kBrightest));
+  look.weight *= brightest > gpu::kBrightest ? static_cast<double>(gpu::kSaturatedWorth) : 1.0;
   for (std::size_t k = 0; k < 3; ++k) {
     look.color[k] = std::min(255.0, gain[k] * look.color[k]);
   }

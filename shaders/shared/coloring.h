@@ -13,6 +13,9 @@ const uint kLensSteps = 1024;      // of a lens's table
 const uint kNoDepth = 0xffffffff;  // of a depth image's pixel: nothing is seen there
 const int kMostSplat = 24;         // pixels to either side that a surface covers in a depth image
 const uint kMostSightings = 8;     // of a point, that are kept
+// A channel above that may be saturated: such a sighting counts where there is no other.
+const uint kBrightest = 250;
+const float kSaturatedWorth = 0.0009765625;  // 1/1024
 
 // A camera at one place. Directions are told by h = aside / (length + z), the tangent of half the
 // angle to the axis, so that nothing depends on a device's trigonometry; the lens's table gives the

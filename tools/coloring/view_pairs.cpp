@@ -13,9 +13,7 @@
 namespace adit {
 namespace {
 
-// Of 8 bits: below, rounding is a tenth of the value; above, a sensor may be saturated.
-constexpr uint8_t kDarkest = 5;
-constexpr uint8_t kBrightest = 250;
+constexpr uint8_t kDarkest = 5;  // of 8 bits: below, rounding is a tenth of the value
 // Of a surface's logarithm between two views: gloss, an edge between two pixels. Its square over
 // the number of surfaces is a median's variance; no fewer than 1/16 of it, since what disturbs one
 // disturbs its neighbours.
@@ -27,7 +25,7 @@ constexpr double kPriorSigma = std::numbers::ln2;
 
 bool is_exposed(const SeenColor& seen) {
   return seen.sightings > 0 && std::ranges::all_of(seen.color, [](uint8_t value) {
-           return value >= kDarkest && value <= kBrightest;
+           return value >= kDarkest && value <= gpu::kBrightest;
          });
 }
 
