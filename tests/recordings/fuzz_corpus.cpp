@@ -181,6 +181,12 @@ class Corpus {
       add_one(11, twist_with_covariance_message(1));
       add_one(12, quaternion_message(1));
       add_one(13, sentence_message(1));
+      const ImageExample pixels = depth_image_message(1);
+      ros::CompressedImage packed;
+      packed.header = header(1, "camera");
+      packed.format = "rgb8; jpeg compressed bgr8";
+      packed.data = pixels.data;
+      add_one(14, packed);
     }
   }
 
