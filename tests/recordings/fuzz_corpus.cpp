@@ -11,6 +11,7 @@
 #include "adit/tests/recordings/message_support.hpp"
 #include "adit/tests/recordings/packet_support.hpp"
 #include "adit/tests/recordings/sensor_support.hpp"
+#include "adit/tests/support/color_images.hpp"
 #include "adit/tests/support/depth_images.hpp"
 #include "adit/tests/support/point_files.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
@@ -180,6 +181,12 @@ class Corpus {
       add_one(11, twist_with_covariance_message(1));
       add_one(12, quaternion_message(1));
       add_one(13, sentence_message(1));
+      const ImageExample pixels = depth_image_message(1);
+      ros::CompressedImage packed;
+      packed.header = header(1, "camera");
+      packed.format = "rgb8; jpeg compressed bgr8";
+      packed.data = pixels.data;
+      add_one(14, packed);
     }
   }
 
@@ -299,6 +306,29 @@ class Corpus {
   void add_images() {
     add("images", "png", "grey16", depth_png(3, {0, 5000, 10000, 2500, 65535, 1}));
     add("images", "png", "grey8", depth_png(3, {0, 5000, 10000}, {"\x08\x00", 2}));
+    const ColorImage picture = color_picture(9, 5, 100);
+    add("images", "jpeg", "halved", jpeg_bytes(picture, TJSAMP_420));
+    add("images", "jpeg", "grey", jpeg_bytes(picture, TJSAMP_GRAY));
+    add("images", "jpeg", "progressive", jpeg_bytes(picture, TJSAMP_444, TJFLAG_PROGRESSIVE));
+    const std::string pixels = std::string(27, 'a') + "\x12\x02\x04";
+    add("images", "messages", "rgb8", "rgb8\n" + pixels);
+    add("images", "messages", "bayer", "bayer_grbg8\n" + pixels);
+    add("images", "messages", "yuyv", "yuyv\n" + pixels);
+    add("images", "cameras", "kalibr",
+        "cam0:\n  T_cam_imu:\n  - [0.0, -1.0, 0.0, 0.1]\n  - [0.0, 0.0, -1.0, 0.2]\n"
+        "  - [1.0, 0.0, 0.0, 0.3]\n  - [0.0, 0.0, 0.0, 1.0]\n  camera_model: pinhole\n"
+        "  distortion_coeffs: [0.1, 0.2, 0.3, 0.4]\n  distortion_model: equidistant\n"
+        "  intrinsics: [400.0, 401.0, 320.0, 240.0]\n  resolution: [640, 480]\n"
+        "  rostopic: /cam0/image_raw\n");
+    add("images", "cameras", "opencv",
+        "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n"
+        "   rows: 3\n   cols: 3\n   dt: d\n   data: [ 400., 0., 320., 0., 401., 240., 0.,\n"
+        "       0., 1. ]\ndistortion_coefficients: !!opencv-matrix\n   data: [ 0.1, 0., 0., 0., 0. "
+        "]\n");
+    add("images", "cameras", "toml",
+        "[[camera]]\ntopic = \"/a\"\nwidth = 640\nheight = 480\nmodel = \"fisheye\"\n"
+        "focal = [400, 401]\ncenter = [320.5, 240]\ndistortion = [0.1, 0, 0, 0]\n"
+        "T_lidar_camera = [0, 0, 0.5, 0, 0, 0, 1]\ntime_offset = 0.01\n");
   }
 
  private:

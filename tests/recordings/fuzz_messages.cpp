@@ -77,7 +77,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
       feed<Odometry>,          feed<PoseStamped>,  feed<TFMessage>,
       feed<LivoxCustomMsg>,    feed<Image>,        feed<CameraInfo>,
       feed<VelodyneScan>,      feed<TwistStamped>, feed<TwistWithCovarianceStamped>,
-      feed<QuaternionStamped>, feed<Sentence>};
+      feed<QuaternionStamped>, feed<Sentence>,     feed<CompressedImage>};
   const std::size_t type = (data[0] / 2U) % std::size(kFeeds);
   kFeeds[type](data[0] % 2 == 0 ? Encoding::ros1 : Encoding::cdr,
                std::as_bytes(std::span(data + 1, size - 1)));

@@ -159,9 +159,36 @@ TEST(DepthImages, CamerasThatAreNoneAreRefused) {
   refused([](ros::CameraInfo& info) { info.width = 100000; });
   refused([](ros::CameraInfo& info) { info.d.assign(12, 0.1); });
   refused([](ros::CameraInfo& info) {
-    info.distortion_model = "equidistant";
+    info.distortion_model = "thin_prism";
     info.d = {0.1, 0.0, 0.0, 0.0};
   });
+  refused([](ros::CameraInfo& info) {
+    info.distortion_model = "equidistant";
+    info.d = {0.1, 0.0, 0.0, 0.0, 0.0};
+  });
+}
+
+TEST(DepthImages, FisheyesAreReadRawAndRectified) {
+  ros::CameraInfo info = test::camera_info_message(0);
+  info.distortion_model = "equidistant";
+  info.d = {0.1, 0.2, 0.3, 0.4};
+  const CameraModel raw = ros::to_camera(info, false);
+  EXPECT_EQ(raw.lens, Lens::fisheye);
+  EXPECT_EQ(raw.fx, 100.0);
+  EXPECT_EQ(raw.distortion, (std::array<double, 8>{0.1, 0.2, 0.3, 0.4, 0.0, 0.0, 0.0, 0.0}));
+  const CameraModel rectified = ros::to_camera(info, true);
+  EXPECT_EQ(rectified.lens, Lens::perspective);
+  EXPECT_EQ(rectified.fx, 50.0);
+  EXPECT_EQ(rectified.distortion, (std::array<double, 8>{}));
+}
+
+TEST(DepthCamera, HasNoDepthsSidewaysOfAFisheye) {
+  CameraModel model{.width = 400, .height = 1, .fx = 100.0, .fy = 100.0, .cx = 0.0, .cy = 0.0};
+  model.lens = Lens::fisheye;
+  const std::vector<Point> points = DepthCamera(model).points(std::vector<float>(400, 1.0F));
+  EXPECT_NEAR(points[100].x, std::tan(1.0), 1e-5);  // 1 rad aside
+  EXPECT_EQ(points[150].z, 1.0F);
+  EXPECT_EQ(points[160].z, 0.0F);  // more than a quarter turn
 }
 
 TEST(DepthImages, RegionsAndBinningMoveTheCentre) {

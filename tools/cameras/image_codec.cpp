@@ -51,6 +51,9 @@ ColorImage decode_jpeg(std::span<const std::byte> bytes) {
     throw ImageError(std::string("it is no JPEG that can be read: ") +
                      tjGetErrorStr2(decoder.get()));
   }
+  if (width == 0 || height == 0) {  // tables alone, as the bytes before the image's header are
+    throw ImageError("it is no JPEG that can be read: it ends before its image begins");
+  }
   ColorImage image{.width = static_cast<std::size_t>(width),
                    .height = static_cast<std::size_t>(height)};
   require_image_size(image.width, image.height);

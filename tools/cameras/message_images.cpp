@@ -62,18 +62,13 @@ class PlaceReader {
   std::optional<RawMessage> read(const MessagePlace& place) {
     const bool follows = stream_ && at_.file == place.file && at_.sequence < place.sequence &&
                          (at_.offset == place.offset || at_.sequence + 1 == place.sequence);
-    try {
-      std::optional<RawMessage> message = follows ? search(place) : std::nullopt;
-      if (!message) {
-        open(place);
-        message = search(place);
-      }
-      at_ = place;
-      return message;
-    } catch (...) {
-      stream_.reset();
-      throw;
+    std::optional<RawMessage> message = follows ? search_behind(place) : std::nullopt;
+    if (!message) {
+      open(place);
+      message = search(place);
     }
+    at_ = place;
+    return message;
   }
 
  private:
@@ -84,6 +79,15 @@ class PlaceReader {
                              .from = place.offset,
                              .by_index = true});
     repeats_ = {};
+  }
+
+  /// Nothing also where the bytes between are damaged.
+  std::optional<RawMessage> search_behind(const MessagePlace& place) {
+    try {
+      return search(place);
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
   }
 
   std::optional<RawMessage> search(const MessagePlace& place) {
