@@ -161,8 +161,8 @@ engine::Buffer ViewColoring::image_on_device(const Camera& camera,
                                              std::span<const uint8_t> rgb) const {
   const std::size_t pixels = camera.model.width * camera.model.height;
   if (rgb.size() != 3 * pixels) {
-    throw std::invalid_argument("ViewColoring: expected " + std::to_string(3 * pixels) +
-                                " bytes of an image, given " + std::to_string(rgb.size()));
+    throw std::logic_error("ViewColoring: expected " + std::to_string(3 * pixels) +
+                           " bytes of an image, given " + std::to_string(rgb.size()));
   }
   const engine::Buffer staging =
       context_->make_buffer(pixels * sizeof(uint32_t), engine::Memory::upload, "an image up");

@@ -80,7 +80,7 @@ class ViewColoring {
 
     uint64_t bytes() const { return image.size() + depth->size(); }
   };
-  /// `rgb`: three bytes a pixel, as many as the camera has; std::invalid_argument otherwise.
+  /// `rgb`: three bytes a pixel, as many as the camera has; std::logic_error otherwise.
   /// `radius`: of the surfaces, m.
   std::shared_ptr<const View> make_view(const std::shared_ptr<const Camera>& camera,
                                         const Eigen::Isometry3d& T_map_camera,

@@ -73,8 +73,8 @@ void prepare(Painter& painter, const ExportJob& job) {
   std::optional<Progress> progress;
   const auto update = [&](std::size_t done, std::size_t total) {
     if (!progress) {
-      progress.emplace(*job.err, progress_style_of_stderr(), "looking at images", total,
-                       Progress::Clock::now(), "images");
+      progress.emplace(*job.err, progress_style_of_stderr(), "images", total,
+                       Progress::Clock::now(), "views");
     }
     progress->update(done, 0);
     require_within(job);

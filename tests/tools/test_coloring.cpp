@@ -1,0 +1,303 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Colours of clouds by cameras: the parts, and `adit export --colorize` as a whole.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "adit/slam/core/lie.hpp"
+#include "adit/slam/core/units.hpp"
+#include "adit/tests/support/ran.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/coloring/blurred_image.hpp"
+#include "adit/tools/coloring/camera_mounting.hpp"
+#include "adit/tools/coloring/map_views.hpp"
+#include "adit/tools/coloring/view_pairs.hpp"
+#include "adit/tools/commands/command_export.hpp"
+#include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/simulator/simulation.hpp"
+
+namespace adit {
+namespace {
+
+using std::chrono::milliseconds;
+
+TEST(ViewPairs, AreHalfOfTheViewsApart) {
+  EXPECT_TRUE(far_pairs(0).empty());
+  EXPECT_TRUE(far_pairs(1).empty());
+  EXPECT_EQ(far_pairs(2), (std::vector<std::pair<std::size_t, std::size_t>>{{0, 1}}));
+  EXPECT_EQ(far_pairs(5),
+            (std::vector<std::pair<std::size_t, std::size_t>>{{0, 2}, {1, 3}, {2, 4}}));
+}
+
+/// Surfaces along a path, each seen by six views, of which every third sees something else before
+/// it. `gain` is what a view multiplies each channel by.
+std::map<uint64_t, SurfaceColors> seen_with(std::size_t views,
+                                            const std::function<double(std::size_t)>& gain) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(30.0, 120.0);
+  std::map<uint64_t, SurfaceColors> surfaces;
+  for (uint64_t key = 0; key < 40 * views; ++key) {
+    const Eigen::Vector3d color(any(random), any(random), any(random));
+    for (std::size_t view = key / 40; view < std::min<std::size_t>(views, key / 40 + 6); ++view) {
+      const bool other = random() % 3 == 0;
+      const Eigen::Vector3d shown = other ? Eigen::Vector3d(any(random), 40.0, 90.0) : color;
+      surfaces[key].views.push_back(
+          {.view = view, .color = (gain(view) * shown).array().log().matrix()});
+    }
+  }
+  return surfaces;
+}
+
+TEST(ViewPairs, GainsMakeViewsAgreeAlthoughAThirdIsHidden) {
+  const auto gain = [](std::size_t view) {
+    return std::exp(0.5 * std::sin(0.3 * static_cast<double>(view)));
+  };
+  const std::vector<std::array<float, 3>> gains =
+      balanced_gains(40, ratios_of(seen_with(40, gain)));
+  for (std::size_t i = 0; i + 1 < gains.size(); ++i) {
+    for (const float channel : gains[i]) {
+      EXPECT_NEAR(static_cast<double>(channel) * gain(i) /
+                      (static_cast<double>(gains[i + 1][0]) * gain(i + 1)),
+                  1.0, 0.05)
+          << i;
+    }
+  }
+}
+
+TEST(ViewPairs, ViewsThatAgreeAndViewsThatShareNothingKeepTheirColors) {
+  for (const auto& one : balanced_gains(10, ratios_of(seen_with(10, [](auto) { return 1.0; })))) {
+    EXPECT_NEAR(one[0], 1.0F, 0.03F);
+  }
+  EXPECT_EQ(balanced_gains(2, {})[1], (std::array{1.0F, 1.0F, 1.0F}));
+}
+
+/// Views that turn and move among surfaces with smooth colours. A camera whose error is not what it
+/// is assumed to be shows what lies beside each surface.
+class TurningViews {
+ public:
+  explicit TurningViews(const CameraError& truth, double contrast = 0.5)
+      : truth_(truth), contrast_(contrast) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> side(-6.0, 6.0);
+    for (int i = 0; i < 1500; ++i) {
+      surfaces_.emplace_back(side(random), side(random), side(random));
+    }
+  }
+
+  std::vector<Sighted> operator()(const CameraError& error, int) const {
+    std::vector<Sighted> all;
+    for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+      for (std::size_t view = 0; view < 12; ++view) {
+        const double turn = 0.25 * static_cast<double>(view);
+        const Eigen::Matrix3d R = so3_exp({0.1 * std::sin(3.0 * turn), turn, 0.05 * turn});
+        const Eigen::Vector3d at(0.3 * static_cast<double>(view), 0.1 * std::cos(turn), 0.0);
+        const Eigen::Vector3d p = R.transpose() * (surfaces_[i] - at);
+        if (p.z() < 1.0 || p.head<2>().norm() > p.z()) {
+          continue;
+        }
+        const Eigen::Vector3d velocity(0.4, 0.0, 1.2);
+        const CameraError off = error - truth_;
+        const Eigen::Vector3d beside =
+            surfaces_[i] + R * (off.head<3>().cross(p) + off[3] * velocity);
+        all.push_back({.surface = i * 0x9e3779b1U, .view = view, .color = color(beside)});
+      }
+    }
+    std::ranges::sort(all, {}, [](const Sighted& one) { return std::pair(one.surface, one.view); });
+    return all;
+  }
+
+ private:
+  LogColor color(const Eigen::Vector3d& p) const {
+    return contrast_ * LogColor(std::sin(2.0 * p.x() + p.y()), std::cos(1.7 * p.y() - p.z()),
+                                std::sin(2.3 * p.z() + 0.5 * p.x()));
+  }
+
+  CameraError truth_;
+  double contrast_;
+  std::vector<Eigen::Vector3d> surfaces_;
+};
+
+const CameraError kStep(0.002, 0.002, 0.002, 0.005);
+
+TEST(CameraMounting, AnErrorIsFound) {
+  const CameraError truth(0.6 * kDegree, -0.8 * kDegree, 0.3 * kDegree, 0.015);
+  const CameraErrorEstimate found = estimate_camera_error(TurningViews(truth), kStep);
+  EXPECT_LT((found.error - truth).head<3>().norm(), 0.1 * kDegree);
+  EXPECT_NEAR(found.error[3], truth[3], 0.004);
+  EXPECT_TRUE(found.is_better()) << found.better << " " << found.worse;
+}
+
+TEST(CameraMounting, WhereThereIsNoneOrNothingShowsItNothingIsBetter) {
+  const CameraErrorEstimate none = estimate_camera_error(TurningViews(CameraError::Zero()), kStep);
+  EXPECT_LT(none.error.head<3>().norm(), 0.02 * kDegree);
+  EXPECT_FALSE(none.is_better());
+  const CameraError truth(0.6 * kDegree, 0.0, 0.0, 0.0);
+  const CameraErrorEstimate grey = estimate_camera_error(TurningViews(truth, 0.0), kStep);
+  EXPECT_TRUE(grey.error.isZero(1e-9));
+  EXPECT_FALSE(grey.is_better());
+  const CameraErrorEstimate blind =
+      estimate_camera_error([](const CameraError&, int) { return std::vector<Sighted>(); }, kStep);
+  EXPECT_TRUE(blind.error.isZero());
+  EXPECT_FALSE(blind.is_better());
+}
+
+TEST(BlurredImage, IsTheMeanOfWhatIsAround) {
+  ColorImage image{.width = 7, .height = 5, .rgb = std::vector<uint8_t>(3 * 7 * 5, 40)};
+  EXPECT_EQ(blurred(image, 3).rgb, image.rgb);
+  image.rgb[3 * (2 * 7 + 3) + 1] = 130;
+  const ColorImage soft = blurred(image, 1);
+  EXPECT_EQ(soft.rgb[3 * (2 * 7 + 3) + 1], 50);
+  EXPECT_EQ(soft.rgb[3 * (1 * 7 + 4) + 1], 50);
+  EXPECT_EQ(soft.rgb[3 * (2 * 7 + 5) + 1], 40);
+  EXPECT_EQ(soft.rgb[3 * (2 * 7 + 3)], 40);
+  EXPECT_EQ(blurred(image, 0).rgb, image.rgb);
+}
+
+class Stamps : public ImageSeries {
+ public:
+  explicit Stamps(std::vector<Nanoseconds> stamps) : stamps_(std::move(stamps)) {}
+  std::span<const Nanoseconds> stamps() const override { return stamps_; }
+  ColorImage image(std::size_t) const override { return {}; }
+
+ private:
+  std::vector<Nanoseconds> stamps_;
+};
+
+TEST(MapViews, AreApartInPlaceOrDirection) {
+  std::vector<StampedPose> poses;
+  for (int i = 0; i <= 40; ++i) {  // 1 m/s for 2 s, then it turns by 45 degrees a second
+    StampedPose pose{.stamp = milliseconds(100 * i)};
+    pose.pose.translation().x() = std::min(0.1 * i, 2.0);
+    pose.pose.linear() = so3_exp({0.0, 0.0, std::max(0, i - 20) * 4.5 * kDegree});
+    poses.push_back(pose);
+  }
+  std::vector<Nanoseconds> stamps;
+  for (int i = -3; i < 50; ++i) {
+    stamps.push_back(milliseconds(100 * i + 10));
+  }
+  const CameraSource camera{.name = "front",
+                            .model = {},
+                            .frame = {},
+                            .T_lidar_camera = Eigen::Isometry3d::Identity(),
+                            .time_offset = -0.01,
+                            .images = std::make_shared<Stamps>(stamps)};
+  const std::vector<MapView> views = choose_views({&camera, 1}, SensorPath(poses));
+  ASSERT_EQ(views.size(), 10U);  // at 0, 0.5, 1, 1.5 and 2 m, then 18 degrees apart
+  EXPECT_EQ(views.front().image, 3U) << "the first that there is a pose for";
+  EXPECT_NEAR(views[1].T_map_camera.translation().x(), 0.5, 1e-9);
+  EXPECT_NEAR(Eigen::AngleAxisd(views[9].T_map_camera.linear()).angle(), 90.0 * kDegree, 1e-9);
+}
+
+/// A room, mapped, with a camera whose images are `fault`y.
+class Colorized : public testing::Test {
+ protected:
+  void map(const char* camera, std::vector<std::string> faults) {
+    SimulationOptions simulation;
+    simulation.scene = "room";
+    simulation.trajectory = "handheld";
+    simulation.duration = 6.0;
+    simulation.seed = 7203;
+    simulation.picture = false;
+    simulation.faults = std::move(faults);
+    if (camera != nullptr) {
+      simulation.cameras = {camera_named(camera)};
+    }
+    simulation.output = folder_ / "room.mcap";
+    simulate(simulation, {});
+    RunCommandOptions run;
+    run.recording = simulation.output;
+    run.output = folder_ / "out";
+    ASSERT_EQ(test::ran(run_command, run).code, 0);
+  }
+  test::Ran colorized(const char* name, bool as_calibrated = false) const {
+    return test::ran(export_command, ExportCommandOptions{.map = folder_ / "out",
+                                                          .output = folder_ / name,
+                                                          .dense = "ply",
+                                                          .color = true,
+                                                          .as_calibrated = as_calibrated});
+  }
+  struct Errors {
+    double colored = 0.0;  ///< share of all points
+    double median = 0.0;   ///< of 255, of the channel that is farthest off
+  };
+  /// Of a PLY file whose points have x, y, z, ..., red, green, blue at their end.
+  Errors errors_of(const char* name) const {
+    const std::string cloud = test::content(folder_ / name);
+    const std::string truth = test::content(folder_ / "room.truth.colors");
+    const std::size_t points = truth.size() / 3;
+    const std::size_t begin = cloud.find("end_header\n") + 11;
+    const std::size_t step = (cloud.size() - begin) / points;
+    EXPECT_EQ((cloud.size() - begin) % points, 0U);
+    std::vector<double> errors;
+    double colored = 0.0;
+    for (std::size_t i = 0; i < points; ++i) {
+      int error = 0;
+      int brightest = 0;
+      int real = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto found = static_cast<uint8_t>(cloud[begin + (i + 1) * step - 3 + k]);
+        const auto wanted = static_cast<uint8_t>(truth[3 * i + k]);
+        error = std::max(error, std::abs(found - wanted));
+        brightest = std::max<int>(brightest, found);
+        real = std::max<int>(real, wanted);
+      }
+      colored += brightest > 0 ? 1.0 : 0.0;
+      if (brightest > 0 && real > 0) {
+        errors.push_back(error);
+      }
+    }
+    std::ranges::nth_element(errors, errors.begin() + static_cast<int>(errors.size() / 2));
+    return {.colored = colored / static_cast<double>(points), .median = errors[errors.size() / 2]};
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(Colorized, PointsHaveTheColorsOfTheirSurfaces) {
+  map("front", {});
+  const test::Ran done = colorized("a.ply");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_NE(done.out.find("camera /camera_front/image_raw: turned by 0."), std::string::npos);
+  const Errors errors = errors_of("a.ply");
+  EXPECT_GT(errors.colored, 0.2);
+  EXPECT_LT(errors.median, 6.0);
+  ASSERT_EQ(colorized("b.ply").code, 0);
+  EXPECT_EQ(test::content(folder_ / "a.ply"), test::content(folder_ / "b.ply"));
+}
+
+TEST_F(Colorized, ACameraThatIsMountedOtherwiseThanIsSaidIsCorrected) {
+  map("front:fisheye", {"camera-turned"});
+  const test::Ran done = colorized("a.ply");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_NE(done.out.find(": corrected"), std::string::npos) << done.out;
+  const test::Ran as_said = colorized("b.ply", true);
+  ASSERT_EQ(as_said.code, 0) << as_said.err;
+  EXPECT_EQ(as_said.out.find("turned by"), std::string::npos) << as_said.out;
+  EXPECT_LT(errors_of("a.ply").median, errors_of("b.ply").median);
+}
+
+TEST_F(Colorized, WithoutACameraItSaysSo) {
+  map(nullptr, {});
+  const test::Ran none = colorized("a.ply");
+  EXPECT_EQ(none.code, 1);
+  EXPECT_NE(none.err.find("camera"), std::string::npos) << none.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "a.ply"));
+  const test::Ran cloud = test::ran(
+      export_command,
+      ExportCommandOptions{
+          .map = folder_ / "out", .output = folder_ / "x.ply", .cloud = "ply", .color = true});
+  EXPECT_EQ(cloud.code, 2);
+  EXPECT_NE(cloud.err.find("--colorize is for --dense"), std::string::npos) << cloud.err;
+}
+
+}  // namespace
+}  // namespace adit
