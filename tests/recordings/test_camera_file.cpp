@@ -14,7 +14,7 @@
 namespace adit {
 namespace {
 
-std::string with(std::string text, const std::string& from, const std::string& to) {
+std::string with_changed(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return text.replace(at, from.size(), to);
@@ -118,7 +118,7 @@ TEST(CameraToml, MistakesNameTheirLine) {
   };
   for (const Mistake& mistake : mistakes) {
     const std::string error = test::error_of<InputError>(
-        [&] { parse_camera_toml(with(kToml, mistake.from, mistake.to), "cameras.toml"); });
+        [&] { parse_camera_toml(with_changed(kToml, mistake.from, mistake.to), "cameras.toml"); });
     EXPECT_NE(error.find(mistake.message), std::string::npos) << mistake.to << "\n" << error;
   }
   EXPECT_NE(test::error_of<InputError>([] {
@@ -186,7 +186,7 @@ TEST(KalibrCameras, AreMountedAgainstTheImu) {
 TEST(KalibrCameras, WithoutAnImuHaveNoPose) {
   const std::string imu = kKalibr.substr(
       kKalibr.find("  T_cam_imu"), kKalibr.find("  cam_overlaps") - kKalibr.find("  T_cam_imu"));
-  const auto cameras = parse_camera_yaml(with(kKalibr, imu, ""), "camchain.yaml");
+  const auto cameras = parse_camera_yaml(with_changed(kKalibr, imu, ""), "camchain.yaml");
   ASSERT_EQ(cameras.size(), 2U);
   EXPECT_FALSE(cameras[0].T_imu_camera);
   EXPECT_FALSE(cameras[1].T_imu_camera);
@@ -210,7 +210,7 @@ TEST(KalibrCameras, MistakesNameTheirKey) {
   };
   for (const auto& [from, to, message] : mistakes) {
     const std::string error = test::error_of<InputError>([&, &from = from, &to = to] {
-      parse_camera_yaml(with(kKalibr, from, to), "camchain.yaml");
+      parse_camera_yaml(with_changed(kKalibr, from, to), "camchain.yaml");
     });
     EXPECT_NE(error.find(message), std::string::npos) << to << "\n" << error;
   }
@@ -232,14 +232,15 @@ TEST(PlainCameras, OfRosAreRead) {
   EXPECT_EQ(cameras[0].model->distortion[0], -0.36);
   EXPECT_EQ(cameras[0].model->lens, Lens::perspective);
   const auto fisheye = parse_camera_yaml(
-      with(with(text, "plumb_bob", "equidistant"), "-0.0005, 0]", "-0.0005]"), "head.yaml");
+      with_changed(with_changed(text, "plumb_bob", "equidistant"), "-0.0005, 0]", "-0.0005]"),
+      "head.yaml");
   EXPECT_EQ(fisheye[0].model->lens, Lens::fisheye);
   EXPECT_NE(test::error_of<InputError>([&] {
-              parse_camera_yaml(with(text, "plumb_bob", "thin_prism"), "head.yaml");
+              parse_camera_yaml(with_changed(text, "plumb_bob", "thin_prism"), "head.yaml");
             }).find("distortion model 'thin_prism' with 5 numbers is not known"),
             std::string::npos);
   EXPECT_NE(test::error_of<InputError>([&] {
-              parse_camera_yaml(with(text, "image_width: 640\n", ""), "head.yaml");
+              parse_camera_yaml(with_changed(text, "image_width: 640\n", ""), "head.yaml");
             }).find("image_width: expected a number, found none"),
             std::string::npos);
 }

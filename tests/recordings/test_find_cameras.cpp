@@ -19,14 +19,14 @@ using test::CameraRecorder;
 using test::Container;
 using test::kStart;
 
-constexpr Nanoseconds kPeriod = std::chrono::milliseconds(100);
+constexpr Nanoseconds kImagePeriod = std::chrono::milliseconds(100);
 
 template <class Action>
 std::string input_error(const Action& action) {
   return test::error_of<InputError>(action);
 }
 
-std::vector<std::string> names_of(const std::vector<CameraSource>& cameras) {
+std::vector<std::string> camera_names(const std::vector<CameraSource>& cameras) {
   std::vector<std::string> names;
   for (const CameraSource& camera : cameras) {
     names.push_back(camera.name);
@@ -39,7 +39,7 @@ void write_rounds(CameraRecorder& recorder, unsigned first, unsigned count) {
   fisheye.distortion_model = "equidistant";
   fisheye.d = {0.1, 0.2, 0.3, 0.4};
   for (unsigned i = first; i < first + count; ++i) {
-    const Nanoseconds stamp = kStart + i * kPeriod;
+    const Nanoseconds stamp = kStart + i * kImagePeriod;
     recorder.write("/front/camera_info", stamp, test::color_camera_info(8, 6));
     recorder.write("/rear/camera_info", stamp, fisheye);
     recorder.write("/mono/camera_info", stamp, test::color_camera_info(8, 6));
@@ -67,7 +67,7 @@ class FindCameras : public testing::TestWithParam<Container> {
 
 TEST_P(FindCameras, AreThoseWithColoursAndACalibration) {
   const auto cameras = find_cameras({record("drive", 0, 5)});
-  ASSERT_EQ(names_of(cameras),
+  ASSERT_EQ(camera_names(cameras),
             (std::vector<std::string>{"/front/image_raw", "/rear/image_raw/compressed"}));
   EXPECT_EQ(cameras[0].frame, "camera_optical_frame");
   EXPECT_EQ(cameras[0].model.lens, Lens::perspective);
@@ -80,14 +80,14 @@ TEST_P(FindCameras, AreThoseWithColoursAndACalibration) {
   EXPECT_EQ(cameras[1].frame, "jpeg_frame");
   EXPECT_EQ(cameras[1].model.lens, Lens::fisheye);
   EXPECT_EQ(cameras[1].model.distortion[3], 0.4);
-  EXPECT_EQ(cameras[1].images->stamps()[4], kStart + 4 * kPeriod);
+  EXPECT_EQ(cameras[1].images->stamps()[4], kStart + 4 * kImagePeriod);
 }
 
 TEST_P(FindCameras, ThatAreNamedAreUsedAll) {
   const fs::path drive = record("drive", 0, 3);
   const auto cameras = find_cameras(
       {drive}, {.topics = {"/front/image_rect_color", "/rear/image_raw", "/mono/image"}});
-  ASSERT_EQ(names_of(cameras),
+  ASSERT_EQ(camera_names(cameras),
             (std::vector<std::string>{"/front/image_rect_color", "/rear/image_raw/compressed",
                                       "/mono/image/compressed"}));
   EXPECT_EQ(cameras[0].model.fx, 50.0);  // of rectified images, without distortion
@@ -156,7 +156,7 @@ TEST(FindCamerasByColour, MonochromeCamerasCountWhereThereAreNoOthers) {
   CameraRecorder recorder(folder, "mono", Container::mcap);
   recorder.write("/mono/camera_info", kStart, test::color_camera_info(8, 6));
   recorder.write_jpeg("/mono/image/compressed", kStart, kStart, 9, true);
-  EXPECT_EQ(names_of(find_cameras({recorder.close()})),
+  EXPECT_EQ(camera_names(find_cameras({recorder.close()})),
             (std::vector<std::string>{"/mono/image/compressed"}));
 }
 
@@ -175,7 +175,7 @@ TEST(CamerasOfAFile, HaveTheirImagesOnTopicsAndInFolders) {
                           "[[camera]]\ntopic = \"/other/image_raw\"\nframe = \"mine\"\n" +
                           kLens + "[[camera]]\nname = \"left\"\nfolder = \"left\"\n" + kLens);
   const auto cameras = find_cameras({drive}, {.calibration = file});
-  ASSERT_EQ(names_of(cameras), (std::vector<std::string>{"rear", "/other/image_raw", "left"}));
+  ASSERT_EQ(camera_names(cameras), (std::vector<std::string>{"rear", "/other/image_raw", "left"}));
   EXPECT_EQ(cameras[0].model.lens, Lens::fisheye);  // by the recording's camera_info
   EXPECT_EQ(cameras[0].time_offset, 0.5);
   EXPECT_EQ(cameras[0].images->stamps().size(), 4U);
@@ -187,8 +187,9 @@ TEST(CamerasOfAFile, HaveTheirImagesOnTopicsAndInFolders) {
   ASSERT_EQ(cameras[2].images->stamps().size(), 2U);
   EXPECT_EQ(cameras[2].images->stamps()[0], Nanoseconds(1700000000250000000));
   EXPECT_NEAR(cameras[2].images->image(0).rgb[2], 20, 8);
-  EXPECT_EQ(names_of(find_cameras({drive}, {.topics = {"/rear/image_raw"}, .calibration = file})),
-            (std::vector<std::string>{"rear"}));
+  EXPECT_EQ(
+      camera_names(find_cameras({drive}, {.topics = {"/rear/image_raw"}, .calibration = file})),
+      (std::vector<std::string>{"rear"}));
   EXPECT_NE(input_error([&] {
               find_cameras({drive}, {.topics = {"/front/image_raw"}, .calibration = file});
             }).find("it lists no camera with images on the named topics"),
@@ -205,7 +206,7 @@ TEST(CamerasOfAFile, WithoutATopicAreThatWhichIsNamedOrTheOnlyOne) {
   one.write_image("/a", kStart, kStart, 1);
   const fs::path single = one.close();
   const auto cameras = find_cameras({single}, {.calibration = file});
-  EXPECT_EQ(names_of(cameras), (std::vector<std::string>{"only"}));
+  EXPECT_EQ(camera_names(cameras), (std::vector<std::string>{"only"}));
   EXPECT_EQ(cameras[0].model.fx, 10.0);
   EXPECT_EQ(cameras[0].frame, "camera_optical_frame");
   CameraRecorder two(folder, "two", Container::mcap);

@@ -15,12 +15,12 @@
 namespace adit {
 namespace {
 
-ColorImage decode(const std::string& bytes) {
+ColorImage decode_bytes(const std::string& bytes) {
   return decode_image(std::as_bytes(std::span(bytes)));
 }
 
 std::string error_of_image(const std::string& bytes) {
-  return test::error_of<ImageError>([&] { decode(bytes); });
+  return test::error_of<ImageError>([&] { decode_bytes(bytes); });
 }
 
 int largest_difference(const ColorImage& a, const ColorImage& b) {
@@ -44,7 +44,7 @@ TEST(ImageCodec, JpegsHaveTheColoursThatWerePacked) {
   const ColorImage picture = test::color_picture(64, 48, 200);
   for (const int subsampling : {TJSAMP_444, TJSAMP_422, TJSAMP_420}) {
     for (const int flags : {0, TJFLAG_PROGRESSIVE}) {
-      const ColorImage image = decode(test::jpeg_bytes(picture, subsampling, flags));
+      const ColorImage image = decode_bytes(test::jpeg_bytes(picture, subsampling, flags));
       ASSERT_EQ(image.width, 64U);
       ASSERT_EQ(image.height, 48U);
       ASSERT_EQ(image.rgb.size(), picture.rgb.size());
@@ -54,7 +54,7 @@ TEST(ImageCodec, JpegsHaveTheColoursThatWerePacked) {
 }
 
 TEST(ImageCodec, GreyJpegsHaveThreeEqualColours) {
-  const ColorImage image = decode(test::jpeg_bytes(test::color_picture(16, 8), TJSAMP_GRAY));
+  const ColorImage image = decode_bytes(test::jpeg_bytes(test::color_picture(16, 8), TJSAMP_GRAY));
   ASSERT_EQ(image.rgb.size(), 3U * 16 * 8);
   for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
     EXPECT_EQ(image.rgb[i], image.rgb[i + 1]);
@@ -65,7 +65,7 @@ TEST(ImageCodec, GreyJpegsHaveThreeEqualColours) {
 
 TEST(ImageCodec, PngsKeepEachColour) {
   const ColorImage picture = test::color_picture(30, 20, 77);
-  const ColorImage image = decode(png_of(picture));
+  const ColorImage image = decode_bytes(png_of(picture));
   EXPECT_EQ(image.width, 30U);
   EXPECT_EQ(image.height, 20U);
   EXPECT_EQ(image.rgb, picture.rgb);
@@ -73,19 +73,19 @@ TEST(ImageCodec, PngsKeepEachColour) {
 
 TEST(ImageCodec, PngsWithOpacityLoseIt) {
   const std::vector<uint8_t> pixels = {1, 2, 3, 0, 4, 5, 6, 255};
-  EXPECT_EQ(decode(png_bytes_with_alpha(2, 1, pixels)).rgb,
+  EXPECT_EQ(decode_bytes(png_bytes_with_alpha(2, 1, pixels)).rgb,
             (std::vector<uint8_t>{1, 2, 3, 4, 5, 6}));
 }
 
 TEST(ImageCodec, SixteenBitsAreRoundedToEight) {
-  const ColorImage image = decode(test::depth_png(2, {0, 0xffff, 0x8080, 0x0100}));
+  const ColorImage image = decode_bytes(test::depth_png(2, {0, 0xffff, 0x8080, 0x0100}));
   EXPECT_EQ(image.rgb, (std::vector<uint8_t>{0, 0, 0, 255, 255, 255, 128, 128, 128, 1, 1, 1}));
 }
 
 TEST(ImageCodec, BytesThatFollowAJpegDoNoHarm) {
   const ColorImage picture = test::color_picture(32, 32, 10);
   const std::string bytes = test::jpeg_bytes(picture);
-  EXPECT_EQ(decode(bytes + std::string(1000, '\0')).rgb, decode(bytes).rgb);
+  EXPECT_EQ(decode_bytes(bytes + std::string(1000, '\0')).rgb, decode_bytes(bytes).rgb);
 }
 
 TEST(ImageCodec, ImagesThatEndEarlyAreRefusedWhereverTheyEnd) {
@@ -94,7 +94,8 @@ TEST(ImageCodec, ImagesThatEndEarlyAreRefusedWhereverTheyEnd) {
                                    test::jpeg_bytes(picture, TJSAMP_420, TJFLAG_PROGRESSIVE)}) {
     // A JPEG without its end mark has all of its pixels, and a PNG without its last sum.
     for (std::size_t size = 0; size + 16 < whole.size(); ++size) {
-      EXPECT_THROW(decode(whole.substr(0, size)), ImageError) << size << " of " << whole.size();
+      EXPECT_THROW(decode_bytes(whole.substr(0, size)), ImageError)
+          << size << " of " << whole.size();
     }
   }
 }
@@ -144,7 +145,7 @@ TEST(ImageCodec, DamageGivesAnErrorOrAnImageAndNothingElse) {
         bytes[random() % bytes.size()] = static_cast<char>(random() & 0xffU);
       }
       try {
-        const ColorImage image = decode(bytes);
+        const ColorImage image = decode_bytes(bytes);
         EXPECT_EQ(image.rgb.size(), 3 * image.width * image.height);
         ++read;
       } catch (const ImageError&) {
@@ -164,7 +165,7 @@ TEST(ImageCodec, RandomBytesBehindAMagicAreRefused) {
       for (auto i = random() % 300; i > 0; --i) {
         bytes += static_cast<char>(random() & 0xffU);
       }
-      EXPECT_THROW(decode(bytes), ImageError);
+      EXPECT_THROW(decode_bytes(bytes), ImageError);
     }
   }
 }

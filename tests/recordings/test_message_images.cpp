@@ -22,23 +22,23 @@ using test::CameraRecorder;
 using test::Container;
 using test::kStart;
 
-constexpr Nanoseconds kPeriod = std::chrono::milliseconds(100);
+constexpr Nanoseconds kImagePeriod = std::chrono::milliseconds(100);
 constexpr Nanoseconds kDelay = std::chrono::milliseconds(30);
 constexpr unsigned kImages = 60;
 
 Nanoseconds stamp_of_image(unsigned i) {
-  return kStart + i * kPeriod;
+  return kStart + i * kImagePeriod;
 }
 
-SharedMessageFiles open(const std::vector<fs::path>& paths) {
+SharedMessageFiles open_shared(const std::vector<fs::path>& paths) {
   return std::make_shared<const std::vector<std::unique_ptr<MessageFile>>>(
       open_message_files(paths));
 }
 
 /// Images from `first` on; 5 arrives after 6, and 8 at the same time as 9. Other topics lie
 /// between.
-fs::path record(const test::TemporaryFolder& folder, const std::string& name, Container container,
-                unsigned first = 0, unsigned count = kImages) {
+fs::path record_images(const test::TemporaryFolder& folder, const std::string& name,
+                       Container container, unsigned first = 0, unsigned count = kImages) {
   CameraRecorder recorder(folder, name, container);
   for (unsigned place = first; place < first + count; ++place) {
     const unsigned i = place == 5 ? 6 : place == 6 ? 5 : place;
@@ -47,7 +47,8 @@ fs::path record(const test::TemporaryFolder& folder, const std::string& name, Co
     for (unsigned k = 0; k < 5; ++k) {
       recorder.write("/imu", received, test::imu_message(i));
     }
-    recorder.write_jpeg("/rear/image/compressed", received, stamp_of_image(i) + kPeriod / 2, i);
+    recorder.write_jpeg("/rear/image/compressed", received, stamp_of_image(i) + kImagePeriod / 2,
+                        i);
   }
   return recorder.close();
 }
@@ -63,7 +64,7 @@ class MessageImages : public testing::TestWithParam<Container> {
 };
 
 TEST_P(MessageImages, AreReadInAnyOrderByTheirStamps) {
-  const SharedMessageFiles files = open({record(folder_, "drive", GetParam())});
+  const SharedMessageFiles files = open_shared({record_images(folder_, "drive", GetParam())});
   const auto series = read_message_images(files, {"/front/image_raw", "/rear/image/compressed"});
   ASSERT_EQ(series.size(), 2U);
   ASSERT_EQ(series[0]->stamps().size(), kImages);
@@ -74,7 +75,8 @@ TEST_P(MessageImages, AreReadInAnyOrderByTheirStamps) {
   for (int turn = 0; turn < 4; ++turn) {
     for (const std::size_t i : order) {
       EXPECT_EQ(series[0]->stamps()[i], stamp_of_image(static_cast<unsigned>(i)));
-      EXPECT_EQ(series[1]->stamps()[i], stamp_of_image(static_cast<unsigned>(i)) + kPeriod / 2);
+      EXPECT_EQ(series[1]->stamps()[i],
+                stamp_of_image(static_cast<unsigned>(i)) + kImagePeriod / 2);
       ASSERT_EQ(shade_of(*series[0], i), i) << "turn " << turn;
       ASSERT_NEAR(shade_of(*series[1], i), static_cast<double>(i), 8.0);
     }
@@ -88,9 +90,9 @@ TEST_P(MessageImages, AreReadInAnyOrderByTheirStamps) {
 }
 
 TEST_P(MessageImages, OfSeveralFilesAreOneSeries) {
-  const fs::path first = record(folder_, "a", GetParam(), 0, 20);
-  const fs::path second = record(folder_, "b", GetParam(), 20, 20);
-  const auto series = read_message_images(open({second, first}), {"/front/image_raw"});
+  const fs::path first = record_images(folder_, "a", GetParam(), 0, 20);
+  const fs::path second = record_images(folder_, "b", GetParam(), 20, 20);
+  const auto series = read_message_images(open_shared({second, first}), {"/front/image_raw"});
   ASSERT_EQ(series[0]->stamps().size(), 40U);
   for (const unsigned i : {0U, 19U, 20U, 39U, 10U, 30U, 5U}) {
     EXPECT_EQ(series[0]->stamps()[i], stamp_of_image(i));
@@ -127,7 +129,7 @@ TEST(MessageImageAccess, AnImageCostsNoPassOverTheFile) {
       image.data = std::as_bytes(std::span(noise.rgb));
       recorder.write("/image", stamp_of_image(i), image);
     }
-    const auto series = read_message_images(open({recorder.close()}), {"/image"});
+    const auto series = read_message_images(open_shared({recorder.close()}), {"/image"});
     const auto cost = [&](const std::vector<unsigned>& indices) {
       const uint64_t before = bytes_read();
       for (const unsigned i : indices) {
@@ -150,7 +152,7 @@ TEST(MessageImageAccess, HeadersWithoutAStampCountAsTakenWhenReceived) {
   const test::TemporaryFolder folder;
   CameraRecorder recorder(folder, "zero", Container::mcap);
   recorder.write_image("/image", kStart, Nanoseconds(0), 1);
-  const auto series = read_message_images(open({recorder.close()}), {"/image", "/none"});
+  const auto series = read_message_images(open_shared({recorder.close()}), {"/image", "/none"});
   ASSERT_EQ(series[0]->stamps().size(), 1U);
   EXPECT_EQ(series[0]->stamps()[0], kStart);
   EXPECT_TRUE(series[1]->stamps().empty());
@@ -161,13 +163,13 @@ TEST(MessageImageAccess, DamagedImagesNameTheirFileAndTopic) {
   CameraRecorder recorder(folder, "damaged", Container::mcap);
   recorder.write_image("/image", kStart, kStart, 1);
   ros::Image image;
-  image.header.stamp = kStart + kPeriod;
+  image.header.stamp = kStart + kImagePeriod;
   image.width = image.height = 100;
   image.encoding = "rgb8";
   image.step = 300;
-  recorder.write("/image", kStart + kPeriod, image);
-  recorder.write_image("/image", kStart + 2 * kPeriod, kStart + 2 * kPeriod, 3);
-  const auto series = read_message_images(open({recorder.close()}), {"/image"});
+  recorder.write("/image", kStart + kImagePeriod, image);
+  recorder.write_image("/image", kStart + 2 * kImagePeriod, kStart + 2 * kImagePeriod, 3);
+  const auto series = read_message_images(open_shared({recorder.close()}), {"/image"});
   const std::string error = test::error_of<InputError>([&] { series[0]->image(1); });
   EXPECT_NE(error.find("damaged.mcap, byte "), std::string::npos) << error;
   EXPECT_NE(error.find("of the images on /image, number 1: the 0 bytes"), std::string::npos)
@@ -178,12 +180,12 @@ TEST(MessageImageAccess, DamagedImagesNameTheirFileAndTopic) {
 
 TEST(MessageImageAccess, ChunksThatCannotBeUnpackedCostTheirOwnImages) {
   const test::TemporaryFolder folder;
-  const fs::path whole = record(folder, "whole", Container::mcap);
+  const fs::path whole = record_images(folder, "whole", Container::mcap);
   std::string bytes = test::content_of(whole);
   const std::size_t middle = bytes.size() / 2;
   bytes.replace(middle, 40, std::string(40, '\x55'));
   const auto series =
-      read_message_images(open({folder.write("broken.mcap", bytes)}), {"/front/image_raw"});
+      read_message_images(open_shared({folder.write("broken.mcap", bytes)}), {"/front/image_raw"});
   const std::size_t left = series[0]->stamps().size();
   EXPECT_LT(left, kImages);
   EXPECT_GT(left, kImages / 2);

@@ -13,10 +13,10 @@
 namespace adit {
 namespace {
 
-using Bytes = std::vector<uint8_t>;
+using Values = std::vector<uint8_t>;
 
-ros::Image message(const std::string& encoding, uint32_t width, uint32_t height, uint32_t step,
-                   const Bytes& bytes) {
+ros::Image image_message(const std::string& encoding, uint32_t width, uint32_t height,
+                         uint32_t step, const Values& bytes) {
   ros::Image image;
   image.encoding = encoding;
   image.width = width;
@@ -27,28 +27,30 @@ ros::Image message(const std::string& encoding, uint32_t width, uint32_t height,
 }
 
 /// Of an image of one row.
-Bytes colors_of(const std::string& encoding, uint32_t width, const Bytes& bytes) {
-  return ros::to_color(message(encoding, width, 1, static_cast<uint32_t>(bytes.size()), bytes)).rgb;
+Values colors_of(const std::string& encoding, uint32_t width, const Values& bytes) {
+  return ros::to_color(
+             image_message(encoding, width, 1, static_cast<uint32_t>(bytes.size()), bytes))
+      .rgb;
 }
 
 TEST(MessagePixels, BytesOfAPixelAreInTheOrderOfTheirEncoding) {
-  const Bytes expected = {1, 2, 3, 4, 5, 6};
+  const Values expected = {1, 2, 3, 4, 5, 6};
   EXPECT_EQ(colors_of("rgb8", 2, {1, 2, 3, 4, 5, 6}), expected);
   EXPECT_EQ(colors_of("bgr8", 2, {3, 2, 1, 6, 5, 4}), expected);
   EXPECT_EQ(colors_of("8UC3", 2, {3, 2, 1, 6, 5, 4}), expected);
   EXPECT_EQ(colors_of("rgba8", 2, {1, 2, 3, 0, 4, 5, 6, 9}), expected);
   EXPECT_EQ(colors_of("bgra8", 2, {3, 2, 1, 0, 6, 5, 4, 9}), expected);
   EXPECT_EQ(colors_of("8UC4", 2, {3, 2, 1, 0, 6, 5, 4, 9}), expected);
-  EXPECT_EQ(colors_of("mono8", 2, {7, 8}), (Bytes{7, 7, 7, 8, 8, 8}));
-  EXPECT_EQ(colors_of("8UC1", 2, {7, 8}), (Bytes{7, 7, 7, 8, 8, 8}));
+  EXPECT_EQ(colors_of("mono8", 2, {7, 8}), (Values{7, 7, 7, 8, 8, 8}));
+  EXPECT_EQ(colors_of("8UC1", 2, {7, 8}), (Values{7, 7, 7, 8, 8, 8}));
 }
 
 TEST(MessagePixels, RowsMayBeLongerThanTheirPixels) {
-  const Bytes bytes = {1, 2, 3, 99, 99, 4, 5, 6};  // the last row ends with its pixels
-  const ColorImage image = ros::to_color(message("rgb8", 1, 2, 5, bytes));
+  const Values bytes = {1, 2, 3, 99, 99, 4, 5, 6};  // the last row ends with its pixels
+  const ColorImage image = ros::to_color(image_message("rgb8", 1, 2, 5, bytes));
   EXPECT_EQ(image.width, 1U);
   EXPECT_EQ(image.height, 2U);
-  EXPECT_EQ(image.rgb, (Bytes{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(image.rgb, (Values{1, 2, 3, 4, 5, 6}));
 }
 
 TEST(MessagePixels, LumaAndChromaGiveTheColoursOfBt601) {
@@ -66,22 +68,22 @@ TEST(MessagePixels, LumaAndChromaGiveTheColoursOfBt601) {
   for (const Case& one : cases) {
     for (const std::string encoding : {"uyvy", "yuv422", "yuyv", "yuv422_yuy2"}) {
       const bool chroma_first = encoding == "uyvy" || encoding == "yuv422";
-      const Bytes bytes =
-          chroma_first ? Bytes{one.u, one.y, one.v, 16} : Bytes{one.y, one.u, 16, one.v};
-      const Bytes rgb = colors_of(encoding, 2, bytes);
+      const Values bytes =
+          chroma_first ? Values{one.u, one.y, one.v, 16} : Values{one.y, one.u, 16, one.v};
+      const Values rgb = colors_of(encoding, 2, bytes);
       for (std::size_t i = 0; i < 3; ++i) {
         EXPECT_NEAR(rgb[i], one.rgb[i], 2) << encoding << ' ' << int{one.y} << ' ' << i;
       }
     }
   }
   // The second brightness is that of the second pixel.
-  EXPECT_EQ(colors_of("yuyv", 2, {16, 128, 235, 128}), (Bytes{0, 0, 0, 255, 255, 255}));
+  EXPECT_EQ(colors_of("yuyv", 2, {16, 128, 235, 128}), (Values{0, 0, 0, 255, 255, 255}));
 }
 
 /// What a filter leaves of an image of one colour.
-Bytes behind_filter(const std::string& pattern, std::size_t width, std::size_t height,
-                    const std::array<uint8_t, 3>& color) {
-  Bytes values;
+Values behind_filter(const std::string& pattern, std::size_t width, std::size_t height,
+                     const std::array<uint8_t, 3>& color) {
+  Values values;
   for (std::size_t row = 0; row < height; ++row) {
     for (std::size_t column = 0; column < width; ++column) {
       const char seen = pattern[2 * (row % 2) + column % 2];
@@ -94,9 +96,9 @@ Bytes behind_filter(const std::string& pattern, std::size_t width, std::size_t h
 TEST(MessagePixels, BayerFiltersGiveBackAnEvenColour) {
   for (const std::string pattern : {"rggb", "bggr", "gbrg", "grbg"}) {
     for (const uint32_t width : {2U, 5U, 6U}) {
-      const Bytes values = behind_filter(pattern, width, 5, {200, 100, 50});
+      const Values values = behind_filter(pattern, width, 5, {200, 100, 50});
       const ColorImage image =
-          ros::to_color(message("bayer_" + pattern + "8", width, 5, width, values));
+          ros::to_color(image_message("bayer_" + pattern + "8", width, 5, width, values));
       ASSERT_EQ(image.rgb.size(), 3 * 5 * width);
       for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
         EXPECT_EQ(image.rgb[i], 200) << pattern << ' ' << i;
@@ -109,11 +111,11 @@ TEST(MessagePixels, BayerFiltersGiveBackAnEvenColour) {
 
 TEST(MessagePixels, BayerFiltersAreInterpolatedBetweenNeighbours) {
   // rggb; the pixel (1, 1) sees blue, (2, 1) and (1, 2) green.
-  const Bytes values = {10, 20, 30, 40,  //
-                        50, 60, 70, 80,  //
-                        90, 11, 21, 31,  //
-                        41, 51, 61, 71};
-  const ColorImage image = ros::to_color(message("bayer_rggb8", 4, 4, 4, values));
+  const Values values = {10, 20, 30, 40,  //
+                         50, 60, 70, 80,  //
+                         90, 11, 21, 31,  //
+                         41, 51, 61, 71};
+  const ColorImage image = ros::to_color(image_message("bayer_rggb8", 4, 4, 4, values));
   const auto at = [&](std::size_t column, std::size_t row) {
     const std::size_t first = 3 * (4 * row + column);
     return std::array<int, 3>{image.rgb[first], image.rgb[first + 1], image.rgb[first + 2]};
@@ -125,22 +127,22 @@ TEST(MessagePixels, BayerFiltersAreInterpolatedBetweenNeighbours) {
 }
 
 TEST(MessagePixels, MessagesWithFewerBytesThanPixelsAreRefused) {
-  const Bytes bytes(24, 1);
-  EXPECT_NO_THROW(ros::to_color(message("rgb8", 4, 2, 12, bytes)));
+  const Values bytes(24, 1);
+  EXPECT_NO_THROW(ros::to_color(image_message("rgb8", 4, 2, 12, bytes)));
   const auto refused = [&](const ros::Image& image) {
     return test::error_of<ImageError>([&] { ros::to_color(image); });
   };
-  EXPECT_EQ(refused(message("rgb8", 4, 3, 12, bytes)),
+  EXPECT_EQ(refused(image_message("rgb8", 4, 3, 12, bytes)),
             "the 24 bytes of the image in rows of 12 are fewer than 4 x 3 pixels of the encoding "
             "'rgb8' take");
-  EXPECT_NE(refused(message("rgb8", 5, 2, 12, bytes)), "no error");
-  EXPECT_NE(refused(message("rgb8", 4, 2, 0xffffffffU, bytes)), "no error");
-  EXPECT_NE(refused(message("rgb8", 0, 2, 12, bytes)), "no error");
-  EXPECT_NE(refused(message("rgb8", 4, 0, 12, bytes)), "no error");
-  EXPECT_NE(refused(message("mono8", 16385, 1, 16385, Bytes(16385))), "no error");
-  EXPECT_NE(refused(message("yuyv", 3, 1, 6, bytes)), "no error");
-  EXPECT_NE(refused(message("bayer_rggb8", 1, 4, 1, bytes)), "no error");
-  EXPECT_NE(refused(message("16UC1", 2, 2, 4, bytes)).find("not read as colours"),
+  EXPECT_NE(refused(image_message("rgb8", 5, 2, 12, bytes)), "no error");
+  EXPECT_NE(refused(image_message("rgb8", 4, 2, 0xffffffffU, bytes)), "no error");
+  EXPECT_NE(refused(image_message("rgb8", 0, 2, 12, bytes)), "no error");
+  EXPECT_NE(refused(image_message("rgb8", 4, 0, 12, bytes)), "no error");
+  EXPECT_NE(refused(image_message("mono8", 16385, 1, 16385, Values(16385))), "no error");
+  EXPECT_NE(refused(image_message("yuyv", 3, 1, 6, bytes)), "no error");
+  EXPECT_NE(refused(image_message("bayer_rggb8", 1, 4, 1, bytes)), "no error");
+  EXPECT_NE(refused(image_message("16UC1", 2, 2, 4, bytes)).find("not read as colours"),
             std::string::npos);
 }
 
