@@ -22,8 +22,8 @@ std::string to_string(CaseKind kind) {
 
 std::vector<Case> all_cases() {
   std::vector<Case> all;
-  for (const auto& part : {kernel_cases(), place_cases(), registration_cases(), sweep_cases(),
-                           host_cases(), library_cases()}) {
+  for (const auto& part : {kernel_cases(), place_cases(), coloring_cases(), registration_cases(),
+                           sweep_cases(), host_cases(), library_cases()}) {
     all.insert(all.end(), part.begin(), part.end());
   }
   return all;

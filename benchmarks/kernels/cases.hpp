@@ -15,6 +15,8 @@ namespace adit::bench {
 std::vector<Case> kernel_cases();
 /// Places described by their looks, and found again.
 std::vector<Case> place_cases();
+/// Colours of points out of images.
+std::vector<Case> coloring_cases();
 /// Whole registrations, and batches of them.
 std::vector<Case> registration_cases();
 /// A sweep as the odometry takes it.

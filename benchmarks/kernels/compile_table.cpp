@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/engine/context.hpp"
+#include "adit/engine/kernels/coloring.hpp"
 #include "adit/engine/kernels/deskew.hpp"
 #include "adit/engine/kernels/free_space.hpp"
 #include "adit/engine/kernels/limit_probes.hpp"
@@ -56,6 +57,7 @@ void make_kernels(engine::Context& context) {
   const engine::SubmapMerge merge(context);
   const engine::FreeSpaceVotes votes(context);
   const engine::PlaceKernels places(context);
+  const engine::Coloring coloring(context);
 }
 
 CompiledKernel row_of(const engine::KernelStatistics& kernel) {

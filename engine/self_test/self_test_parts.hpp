@@ -7,6 +7,7 @@
 
 #include <array>
 
+#include "adit/engine/self_test/self_test_coloring.hpp"
 #include "adit/engine/self_test/self_test_ndt.hpp"
 #include "adit/engine/self_test/self_test_places.hpp"
 #include "adit/engine/self_test/self_test_submap.hpp"
@@ -17,7 +18,7 @@ namespace adit::engine {
 using SelfTestPart = std::vector<SelfTestCase> (*)(Context&);
 
 /// What takes longest to compile first.
-inline constexpr std::array<SelfTestPart, 4> kSelfTestParts = {test_sweeps, test_ndt, test_submap,
-                                                               test_places};
+inline constexpr std::array<SelfTestPart, 5> kSelfTestParts = {test_sweeps, test_ndt, test_submap,
+                                                               test_places, test_coloring};
 
 }  // namespace adit::engine
