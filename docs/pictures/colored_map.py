@@ -3,14 +3,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws a cloud in the colours of cameras as a WebP: the picture of docs/coloring.md.
 
-Usage: colored_map.py OUT CLOUD.las PICTURE.webp [TOP], from Debian's python3-numpy and python3-pil. Points more than TOP
-metres above the sensor are left out, which opens rooms from above, and so are points that no camera saw. The picture:
+Usage: colored_map.py OUT CLOUD.las PICTURE.webp, from Debian's python3-numpy and python3-pil. Points more than REACH
+from the sensor, and points that no camera saw, are left out. The picture:
 
-    adit simulate office --trajectory walk --duration 40 --seed 7202 --camera front --camera left --camera right \
-        -o office.mcap
-    adit run office.mcap -o office
-    adit export office --dense las --colorize --frame map -o office.las
-    docs/pictures/colored_map.py office office.las docs/pictures/colors.webp 0.7
+    adit simulate city --trajectory drive --duration 20 --seed 7202 --camera front --camera left --camera right \
+        -o city.mcap
+    adit run city.mcap -o city
+    adit export city --dense las --colorize --find-moving --frame map -o city.las
+    docs/pictures/colored_map.py city city.las docs/pictures/colors.webp
 """
 
 import pathlib
@@ -22,6 +22,7 @@ import numpy as np
 from growing_map import HEIGHT, WIDTH, Canvas, corners, read_las
 
 QUALITY = 70
+REACH = 30.0  # m: farther away, the lines of a VLP-16 are far apart
 
 
 def read_colors(path):
@@ -36,17 +37,16 @@ def read_colors(path):
 
 
 def main():
-    if len(sys.argv) not in (4, 5):
+    if len(sys.argv) != 4:
         sys.exit(__doc__)
-    run, cloud, target = sys.argv[1:4]
+    run, cloud, target = sys.argv[1:]
     points, times = read_las(cloud)
     colors = read_colors(cloud)[:len(points)]
     poses = np.loadtxt(pathlib.Path(run) / "trajectory.tum")
-    kept = colors.any(axis=1)
-    if len(sys.argv) == 5:
-        # The file's times may have another epoch; both start with the first sweep.
-        height = np.interp(times - times.min(), poses[:, 0] - poses[0, 0], poses[:, 3])
-        kept &= points[:, 2] < height + float(sys.argv[4])
+    # The file's times may have another epoch; both start with the first sweep.
+    times = times - times.min() + poses[0, 0]
+    sensor = np.stack([np.interp(times, poses[:, 0], poses[:, k]) for k in (1, 2, 3)], axis=1)
+    kept = colors.any(axis=1) & (np.linalg.norm(points - sensor, axis=1) < REACH)
     points, colors = points[kept], colors[kept]
     # A coarse canvas finds the scale at which the whole map fits into the picture.
     step = max(1, len(points) // 100000)
