@@ -246,7 +246,7 @@ std::vector<SelfTestCase> test_view(Context& context, const Coloring& kernels) {
                        static_cast<float>(kRadius), lens, rays);
   recorder.barrier();
   kernels.record_sight(recorder, camera, depth, given, static_cast<uint32_t>(points.size()),
-                       static_cast<float>(kTolerance), lens, image, sightings);
+                       static_cast<float>(kTolerance), {1.0F, 1.0F, 1.0F}, lens, image, sightings);
   recorder.copy(depths, depths_back);
   recorder.copy(sightings, sightings_back);
   context.submit(std::move(recorder)).wait();
