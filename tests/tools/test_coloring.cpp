@@ -191,7 +191,8 @@ TEST(MapViews, AreApartInPlaceOrDirection) {
                             .time_offset = -0.01,
                             .images = std::make_shared<Stamps>(stamps)};
   const std::vector<MapView> views = choose_views({&camera, 1}, SensorPath(poses));
-  ASSERT_EQ(views.size(), 10U);  // at 0, 0.5, 1, 1.5 and 2 m, then 18 degrees apart
+  // At 0, 0.5, 1, 1.5 and 2 m, then 18 degrees apart, once behind the last pose.
+  ASSERT_EQ(views.size(), 11U);
   EXPECT_EQ(views.front().image, 3U) << "the first that there is a pose for";
   EXPECT_NEAR(views[1].T_map_camera.translation().x(), 0.5, 1e-9);
   EXPECT_NEAR(Eigen::AngleAxisd(views[9].T_map_camera.linear()).angle(), 90.0 * kDegree, 1e-9);
