@@ -18,7 +18,7 @@ namespace {
 constexpr double kDepthPixel = 0.3 * kDegree;
 
 engine::DepthImage depth_image(const ViewColoring::View& view) {
-  return {.depths = *view.depth,
+  return {.depths = view.depth,
           .width = view.camera->depth_width,
           .height = view.camera->depth_height,
           .pixels = static_cast<float>(view.camera->depth_pixels)};
@@ -136,9 +136,8 @@ std::shared_ptr<const ViewColoring::View> ViewColoring::make_view(
       sizeof(uint32_t) * uint64_t{camera->depth_width} * camera->depth_height;
   auto view = std::make_shared<View>(
       View{.camera = camera,
-           .depth = std::make_shared<const engine::Buffer>(
-               context_->make_buffer(depth_bytes, engine::Memory::device, "depths")),
-           .image = image_on_device(*camera, rgb)});
+           .image = image_on_device(*camera, rgb),
+           .depth = context_->make_buffer(depth_bytes, engine::Memory::device, "depths")});
   const engine::DepthImage depth = depth_image(*view);
   engine::Recorder recorder = context_->make_recorder();
   kernels_.record_clear(recorder, depth);
@@ -149,12 +148,6 @@ std::shared_ptr<const ViewColoring::View> ViewColoring::make_view(
   }
   context_->submit(std::move(recorder)).wait();
   return view;
-}
-
-std::shared_ptr<const ViewColoring::View> ViewColoring::repainted(
-    const View& view, std::span<const uint8_t> rgb) const {
-  return std::make_shared<const View>(View{
-      .camera = view.camera, .depth = view.depth, .image = image_on_device(*view.camera, rgb)});
 }
 
 engine::Buffer ViewColoring::image_on_device(const Camera& camera,

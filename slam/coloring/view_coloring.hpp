@@ -75,10 +75,10 @@ class ViewColoring {
   /// An image, with how far away what it shows is.
   struct View {
     std::shared_ptr<const Camera> camera;
-    std::shared_ptr<const engine::Buffer> depth;
     engine::Buffer image;
+    engine::Buffer depth;
 
-    uint64_t bytes() const { return image.size() + depth->size(); }
+    uint64_t bytes() const { return image.size() + depth.size(); }
   };
   /// `rgb`: three bytes a pixel, as many as the camera has; std::logic_error otherwise.
   /// `radius`: of the surfaces, m.
@@ -87,8 +87,6 @@ class ViewColoring {
                                         std::span<const uint8_t> rgb,
                                         std::span<const std::shared_ptr<const Surfaces>> surfaces,
                                         double radius) const;
-  /// The view with another image.
-  std::shared_ptr<const View> repainted(const View& view, std::span<const uint8_t> rgb) const;
 
   /// How a view is looked at.
   struct Look {

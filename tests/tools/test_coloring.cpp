@@ -93,7 +93,7 @@ class TurningViews {
     }
   }
 
-  std::vector<Sighted> operator()(const CameraError& error, int) const {
+  std::vector<Sighted> operator()(const CameraError& error, const CameraError&, int) const {
     std::vector<Sighted> all;
     for (std::size_t i = 0; i < surfaces_.size(); ++i) {
       for (std::size_t view = 0; view < 12; ++view) {
@@ -144,8 +144,8 @@ TEST(CameraMounting, WhereThereIsNoneOrNothingShowsItNothingIsBetter) {
   const CameraErrorEstimate grey = estimate_camera_error(TurningViews(truth, 0.0), kStep);
   EXPECT_TRUE(grey.error.isZero(1e-9));
   EXPECT_FALSE(grey.is_better());
-  const CameraErrorEstimate blind =
-      estimate_camera_error([](const CameraError&, int) { return std::vector<Sighted>(); }, kStep);
+  const CameraErrorEstimate blind = estimate_camera_error(
+      [](const CameraError&, const CameraError&, int) { return std::vector<Sighted>(); }, kStep);
   EXPECT_TRUE(blind.error.isZero());
   EXPECT_FALSE(blind.is_better());
 }

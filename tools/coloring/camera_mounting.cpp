@@ -17,10 +17,8 @@ namespace adit {
 namespace {
 
 constexpr std::array<int, 3> kBlurs = {8, 4, 1};  // pixels
-constexpr int kRoundsABlur = 3;
-// A rotation of the camera shifts all of an image alike, so that what neighbouring surfaces say of
-// it is not independent: so many count as one.
-constexpr double kDependent = 10.0;
+constexpr int kMostRounds = 10;                   // of a blur
+constexpr double kConverged = 0.1;                // of a step of the derivatives
 
 /// Pairs of a surface's sightings.
 struct Pair {
@@ -102,16 +100,16 @@ std::optional<Eigen::Matrix<double, 3, 4>> slope(
 }
 
 /// One step of Gauss-Newton with Cauchy's weights.
-CameraError improved(const SightSurfaces& sight, const CameraError& error, const CameraError& step,
-                     int blur) {
-  const std::vector<Sighted> sighted = sight(error, blur);
+CameraError improved(const SightSurfaces& sight, const CameraError& error,
+                     const CameraError& hidden_by, const CameraError& step, int blur) {
+  const std::vector<Sighted> sighted = sight(error, hidden_by, blur);
   std::array<std::array<std::vector<Sighted>, 2>, 4> stepped;
   for (std::size_t k = 0; k < 4; ++k) {
     for (std::size_t side = 0; side < 2; ++side) {
       CameraError moved = error;
       const auto part = static_cast<Eigen::Index>(k);
       moved[part] += (side == 0 ? -1.0 : 1.0) * blur * step[part];
-      stepped[k][side] = sight(moved, blur);
+      stepped[k][side] = sight(moved, hidden_by, blur);
     }
   }
   std::vector<Pair> pairs = pairs_of(sighted);
@@ -132,8 +130,7 @@ CameraError improved(const SightSurfaces& sight, const CameraError& error, const
   for (const Pair& pair : pairs) {
     if (const auto jacobian = slope(sighted, pair, stepped, blur * step)) {
       const LogColor residual = balance.residual(sighted, pair);
-      const double weight = 1.0 / (kDependent * sigma * sigma *
-                                   (1.0 + residual.squaredNorm() / (3.0 * sigma * sigma)));
+      const double weight = 1.0 / (sigma * sigma + residual.squaredNorm() / 3.0);
       normal += weight * jacobian->transpose() * *jacobian;
       right -= weight * jacobian->transpose() * residual;
     }
@@ -155,12 +152,18 @@ bool CameraErrorEstimate::is_better() const {
 CameraErrorEstimate estimate_camera_error(const SightSurfaces& sight, const CameraError& step) {
   CameraErrorEstimate estimate;
   for (const int blur : kBlurs) {
-    for (int round = 0; round < kRoundsABlur; ++round) {
-      estimate.error = improved(sight, estimate.error, step, blur);
+    const CameraError hidden_by = estimate.error;
+    for (int round = 0; round < kMostRounds; ++round) {
+      const CameraError before = estimate.error;
+      estimate.error = improved(sight, before, hidden_by, step, blur);
+      if (((estimate.error - before).array().abs() < kConverged * step.array()).all()) {
+        break;
+      }
     }
   }
-  const std::vector<Sighted> before = sight(CameraError::Zero(), kBlurs.back());
-  const std::vector<Sighted> after = sight(estimate.error, kBlurs.back());
+  const int sharpest = kBlurs.back();
+  const std::vector<Sighted> before = sight(CameraError::Zero(), CameraError::Zero(), sharpest);
+  const std::vector<Sighted> after = sight(estimate.error, estimate.error, sharpest);
   const std::vector<Pair> pairs_before = pairs_of(before);
   const std::vector<Pair> pairs_after = pairs_of(after);
   const Balance balance_before(before, pairs_before);

@@ -32,8 +32,9 @@ struct Sighted {
   std::size_t view = 0;
   LogColor color = LogColor::Zero();
 };
-/// `blur`: of the images, pixels.
-using SightSurfaces = std::function<std::vector<Sighted>(const CameraError& error, int blur)>;
+/// `hidden_by`: the error that what hides surfaces is drawn with. `blur`: of the images, pixels.
+using SightSurfaces = std::function<std::vector<Sighted>(const CameraError& error,
+                                                         const CameraError& hidden_by, int blur)>;
 
 struct CameraErrorEstimate {
   CameraError error = CameraError::Zero();

@@ -178,43 +178,44 @@ CameraFinding MapColoring::find_error(std::size_t camera) {
   struct Used {
     std::size_t number;
     MapView view;
-    View sharp;
     ColorImage image;
     std::vector<SurfaceSample> samples;
     std::vector<Eigen::Vector3d> places;
-    View blurred;
-    int blur;
+    View drawn;  ///< as `hidden_by` and `blur` below have it
   };
   std::vector<Used> used;
   for (const std::size_t number : spread_views(views_, camera)) {
     if (std::optional<ColorImage> image = image_of(views_[number])) {
       Used one{.number = number,
                .view = views_[number],
-               .sharp = view_of(views_[number], image->rgb),
                .image = std::move(*image),
                .samples = samples_of(views_[number]),
                .places = {},
-               .blurred = nullptr,
-               .blur = -1};
+               .drawn = nullptr};
       std::ranges::transform(one.samples, std::back_inserter(one.places), &SurfaceSample::p);
       used.push_back(std::move(one));
     }
   }
   const CameraSource& source = cameras_[camera];
-  const SightSurfaces sight = [&](const CameraError& error, int blur) {
+  std::optional<std::pair<CameraError, int>> drawn;
+  const SightSurfaces sight = [&](const CameraError& error, const CameraError& hidden_by,
+                                  int blur) {
+    const bool anew = !drawn || drawn->first != hidden_by || drawn->second != blur;
+    drawn = {hidden_by, blur};
     std::vector<Sighted> all;
     for (Used& one : used) {
-      if (one.blur != blur) {
-        one.blurred = coloring_.repainted(*one.sharp, blurred(one.image, blur).rgb);
-        one.blur = blur;
-      }
       const auto pose = camera_pose(path_, source, one.view.image, error);
-      if (!pose) {
+      const auto drawn_from = camera_pose(path_, source, one.view.image, hidden_by);
+      if (!pose || !drawn_from) {
         continue;
       }
-      const ViewColoring::Look look{.view = one.blurred, .T_map_camera = *pose};
-      const std::vector<SeenColor> seen = coloring_.colors(
-          one.places, one.view.T_map_camera.translation(), {&look, 1}, surfaces_.spacing());
+      if (anew || !one.drawn) {
+        one.view.T_map_camera = *drawn_from;
+        one.drawn = view_of(one.view, blurred(one.image, blur).rgb);
+      }
+      const ViewColoring::Look look{.view = one.drawn, .T_map_camera = *pose};
+      const std::vector<SeenColor> seen =
+          coloring_.colors(one.places, pose->translation(), {&look, 1}, surfaces_.spacing());
       for (std::size_t i = 0; i < seen.size(); ++i) {
         if (is_exposed(seen[i])) {
           all.push_back(
