@@ -99,6 +99,37 @@ std::optional<Eigen::Matrix<double, 3, 4>> slope(
   return jacobian;
 }
 
+/// The step of Gauss-Newton, its information as views disagree on it: what disturbs one surface of
+/// a view, a shadow or a car, disturbs its neighbours, so views count and not surfaces (the
+/// sandwich estimator of clusters, Liang and Zeger 1986). With the prior of the whole error.
+CameraError weighed_step(const Eigen::Matrix4d& normal,
+                         const std::map<std::size_t, Eigen::Vector4d>& gradients,
+                         const CameraError& error) {
+  constexpr std::size_t kLeastViews = 8;  // twice the numbers that are estimated
+  if (gradients.size() < kLeastViews) {
+    return CameraError::Zero();
+  }
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  for (const auto& [view, gradient] : gradients) {
+    sum += gradient;
+  }
+  const Eigen::Vector4d mean = sum / static_cast<double>(gradients.size());
+  Eigen::Matrix4d scatter = Eigen::Matrix4d::Zero();
+  for (const auto& [view, gradient] : gradients) {
+    scatter += (gradient - mean) * (gradient - mean).transpose();
+  }
+  const Eigen::Vector4d prior = camera_error_prior().cwiseAbs2().cwiseInverse();
+  // Without scatter nothing is known: images without texture.
+  const Eigen::LDLT<Eigen::Matrix4d> scattered(scatter);
+  if (!scattered.isPositive() || !(scattered.rcond() > 1e-12)) {
+    return CameraError::Zero();
+  }
+  const Eigen::Matrix4d weight = normal * scattered.solve(Eigen::Matrix4d::Identity());
+  Eigen::Matrix4d information = weight * normal;
+  information.diagonal() += prior;
+  return information.ldlt().solve(weight * sum - prior.cwiseProduct(error));
+}
+
 /// One step of Gauss-Newton with Cauchy's weights.
 CameraError improved(const SightSurfaces& sight, const CameraError& error,
                      const CameraError& hidden_by, const CameraError& step, int blur) {
@@ -124,18 +155,18 @@ CameraError improved(const SightSurfaces& sight, const CameraError& error,
   }
   constexpr double kSigmaOfMedian = 1.0 / 1.5382;  // of the length of a normal vector of three
   const double sigma = std::max(1e-3, kSigmaOfMedian * median(sizes));
-  const Eigen::Vector4d prior = camera_error_prior().cwiseAbs2().cwiseInverse();
-  Eigen::Matrix4d normal = prior.asDiagonal();
-  Eigen::Vector4d right = -prior.cwiseProduct(error);
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  std::map<std::size_t, Eigen::Vector4d> gradients;  // by the first view of the pairs
   for (const Pair& pair : pairs) {
     if (const auto jacobian = slope(sighted, pair, stepped, blur * step)) {
       const LogColor residual = balance.residual(sighted, pair);
       const double weight = 1.0 / (sigma * sigma + residual.squaredNorm() / 3.0);
       normal += weight * jacobian->transpose() * *jacobian;
-      right -= weight * jacobian->transpose() * residual;
+      gradients.try_emplace(sighted[pair.a].view, Eigen::Vector4d::Zero()).first->second -=
+          weight * jacobian->transpose() * residual;
     }
   }
-  return error + normal.ldlt().solve(right);
+  return error + weighed_step(normal, gradients, error);
 }
 
 }  // namespace
