@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numbers>
 #include <utility>
 
 #include "adit/slam/core/lie.hpp"
@@ -151,8 +152,9 @@ std::optional<ColorImage> MapColoring::image_of(const MapView& view) {
 
 MapColoring::View MapColoring::view_of(const MapView& view, std::span<const uint8_t> rgb) {
   const auto surfaces = surfaces_.near(view.T_map_camera.translation(), reach_of(view.camera));
-  return coloring_.make_view(lenses_[view.camera], view.T_map_camera, rgb, surfaces,
-                             surfaces_.spacing());
+  // Half the diagonal of a voxel's face: on a plane, neighbouring discs leave no hole.
+  const double radius = surfaces_.spacing() / std::numbers::sqrt2;
+  return coloring_.make_view(lenses_[view.camera], view.T_map_camera, rgb, surfaces, radius);
 }
 
 MapColoring::View MapColoring::make(std::size_t number) {

@@ -21,6 +21,33 @@ constexpr double kSurfaceSigma = 0.2;
 constexpr std::size_t kMostIndependent = 256;
 constexpr double kPriorSigma = std::numbers::ln2;
 
+double weight_of(const ViewRatio& ratio) {
+  return static_cast<double>(std::min(ratio.surfaces, kMostIndependent)) /
+         (kSurfaceSigma * kSurfaceSigma);
+}
+
+/// How much of the gains is more than what noise gives: 1 - 1/F, where F compares what each gain
+/// explains with what is left to each further pair (James and Stein 1961). Exposures that do not
+/// vary are left alone.
+double explained(const Eigen::MatrixX3d& logs, std::span<const ViewRatio> ratios) {
+  double before = 0.0;
+  double after = 0.0;
+  for (const ViewRatio& ratio : ratios) {
+    const LogColor gain = (logs.row(static_cast<Eigen::Index>(ratio.a)) -
+                           logs.row(static_cast<Eigen::Index>(ratio.b)))
+                              .transpose();
+    before += weight_of(ratio) * ratio.median.squaredNorm();
+    after += weight_of(ratio) * (ratio.median - gain).squaredNorm();
+  }
+  const double pairs = static_cast<double>(ratios.size());
+  const double views = static_cast<double>(logs.rows());
+  if (pairs <= views) {
+    return 1.0;
+  }
+  const double F = (before - after) / views / std::max(1e-12, after / (pairs - views));
+  return std::max(0.0, 1.0 - 1.0 / std::max(F, 1e-12));
+}
+
 }  // namespace
 
 bool is_exposed(const SeenColor& seen) {
@@ -80,8 +107,7 @@ std::vector<std::array<float, 3>> balanced_gains(std::size_t views,
     entries.emplace_back(i, i, 1.0 / (kPriorSigma * kPriorSigma));
   }
   for (const ViewRatio& ratio : ratios) {
-    const double weight = static_cast<double>(std::min(ratio.surfaces, kMostIndependent)) /
-                          (kSurfaceSigma * kSurfaceSigma);
+    const double weight = weight_of(ratio);
     const auto a = static_cast<Eigen::Index>(ratio.a);
     const auto b = static_cast<Eigen::Index>(ratio.b);
     entries.emplace_back(a, a, weight);
@@ -94,7 +120,8 @@ std::vector<std::array<float, 3>> balanced_gains(std::size_t views,
   Eigen::SparseMatrix<double> normal(size, size);
   normal.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
-  const Eigen::MatrixX3d logs = solver.solve(right);
+  const Eigen::MatrixX3d fitted = solver.solve(right);
+  const Eigen::MatrixX3d logs = explained(fitted, ratios) * fitted;
   for (std::size_t i = 0; i < views; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
       gains[i][k] = static_cast<float>(
