@@ -101,13 +101,14 @@ std::optional<Eigen::Matrix<double, 3, 4>> slope(
 
 /// The step of Gauss-Newton, its information as views disagree on it: what disturbs one surface of
 /// a view, a shadow or a car, disturbs its neighbours, so views count and not surfaces (the
-/// sandwich estimator of clusters, Liang and Zeger 1986). With the prior of the whole error.
-CameraError weighed_step(const Eigen::Matrix4d& normal,
-                         const std::map<std::size_t, Eigen::Vector4d>& gradients,
-                         const CameraError& error) {
-  constexpr std::size_t kLeastViews = 8;  // twice the numbers that are estimated
+/// sandwich estimator of clusters, Liang and Zeger 1986). With the prior of the whole error. None
+/// where too little says something.
+std::optional<CameraError> weighed_step(const Eigen::Matrix4d& normal,
+                                        const std::map<std::size_t, Eigen::Vector4d>& gradients,
+                                        const CameraError& error) {
+  constexpr std::size_t kLeastViews = 8;
   if (gradients.size() < kLeastViews) {
-    return CameraError::Zero();
+    return std::nullopt;
   }
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();
   for (const auto& [view, gradient] : gradients) {
@@ -122,17 +123,18 @@ CameraError weighed_step(const Eigen::Matrix4d& normal,
   // Without scatter nothing is known: images without texture.
   const Eigen::LDLT<Eigen::Matrix4d> scattered(scatter);
   if (!scattered.isPositive() || !(scattered.rcond() > 1e-12)) {
-    return CameraError::Zero();
+    return std::nullopt;
   }
   const Eigen::Matrix4d weight = normal * scattered.solve(Eigen::Matrix4d::Identity());
   Eigen::Matrix4d information = weight * normal;
   information.diagonal() += prior;
-  return information.ldlt().solve(weight * sum - prior.cwiseProduct(error));
+  return CameraError(information.ldlt().solve(weight * sum - prior.cwiseProduct(error)));
 }
 
 /// One step of Gauss-Newton with Cauchy's weights.
-CameraError improved(const SightSurfaces& sight, const CameraError& error,
-                     const CameraError& hidden_by, const CameraError& step, int blur) {
+std::optional<CameraError> improved_step(const SightSurfaces& sight, const CameraError& error,
+                                         const CameraError& hidden_by, const CameraError& step,
+                                         int blur) {
   const std::vector<Sighted> sighted = sight(error, hidden_by, blur);
   std::array<std::array<std::vector<Sighted>, 2>, 4> stepped;
   for (std::size_t k = 0; k < 4; ++k) {
@@ -146,7 +148,7 @@ CameraError improved(const SightSurfaces& sight, const CameraError& error,
   std::vector<Pair> pairs = pairs_of(sighted);
   std::erase_if(pairs, [](const Pair& pair) { return pair.tests; });
   if (pairs.empty()) {
-    return error;
+    return std::nullopt;
   }
   const Balance balance(sighted, pairs);
   std::vector<double> sizes;
@@ -166,7 +168,7 @@ CameraError improved(const SightSurfaces& sight, const CameraError& error,
           weight * jacobian->transpose() * residual;
     }
   }
-  return error + weighed_step(normal, gradients, error);
+  return weighed_step(normal, gradients, error);
 }
 
 }  // namespace
@@ -185,13 +187,18 @@ CameraErrorEstimate estimate_camera_error(const SightSurfaces& sight, const Came
   for (const int blur : kBlurs) {
     const CameraError hidden_by = estimate.error;
     for (int round = 0; round < kMostRounds; ++round) {
-      const CameraError before = estimate.error;
-      estimate.error = improved(sight, before, hidden_by, step, blur);
-      if (((estimate.error - before).array().abs() < kConverged * step.array()).all()) {
+      const std::optional<CameraError> moved =
+          improved_step(sight, estimate.error, hidden_by, step, blur);
+      if (!moved) {
+        return {};
+      }
+      estimate.error += *moved;
+      if ((moved->array().abs() < kConverged * step.array()).all()) {
         break;
       }
     }
   }
+  estimate.determined = true;
   const int sharpest = kBlurs.back();
   const std::vector<Sighted> before = sight(CameraError::Zero(), CameraError::Zero(), sharpest);
   const std::vector<Sighted> after = sight(estimate.error, estimate.error, sharpest);

@@ -38,6 +38,9 @@ using SightSurfaces = std::function<std::vector<Sighted>(const CameraError& erro
 
 struct CameraErrorEstimate {
   CameraError error = CameraError::Zero();
+  /// Eight views at least, twice the numbers that are estimated, see surfaces that later ones see,
+  /// and these have some texture. Otherwise the error stays zero.
+  bool determined = false;
   /// Surfaces that were not used for the estimate: on how many of them views agree better with it,
   /// and on how many worse.
   std::size_t better = 0;

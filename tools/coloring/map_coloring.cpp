@@ -231,7 +231,10 @@ CameraFinding MapColoring::find_error(std::size_t camera) {
   const double pixel = 1.0 / source.model.fx;
   constexpr double kTimeStep = 0.005;  // s: a pixel or less at walking speed
   const CameraErrorEstimate found = estimate_camera_error(sight, {pixel, pixel, pixel, kTimeStep});
-  return {.camera = source.name, .error = found.error, .corrected = found.is_better()};
+  return {.camera = source.name,
+          .error = found.error,
+          .determined = found.determined,
+          .corrected = found.is_better()};
 }
 
 void MapColoring::balance(const std::function<void(std::size_t, std::size_t)>& progress) {

@@ -32,7 +32,8 @@ namespace adit {
 struct CameraFinding {
   std::string camera;
   CameraError error = CameraError::Zero();
-  bool corrected = false;  ///< surfaces that were kept aside agree: colours are made with it
+  bool determined = false;  ///< CameraErrorEstimate::determined
+  bool corrected = false;   ///< surfaces that were kept aside agree: colours are made with it
 
   double turned() const { return error.head<3>().norm(); }  ///< rad
   double late() const { return error[3]; }                  ///< s, images after their stamps

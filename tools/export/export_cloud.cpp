@@ -61,6 +61,11 @@ struct Painter {
 
 /// "camera /front/image_raw: turned by 0.97 degrees, images 2 ms late: corrected".
 std::string text_of(const CameraFinding& finding) {
+  if (!finding.determined) {
+    return fmt::format(
+        "camera {}: too few of its views show the same surfaces to check its mounting\n",
+        finding.camera);
+  }
   return fmt::format(
       "camera {}: turned by {:.2f} degrees, images {:.0f} ms {}: {}\n", finding.camera,
       finding.turned() / kDegree, 1e3 * std::abs(finding.late()),
