@@ -42,7 +42,11 @@ void see(vec3 c, vec3 normal, float range, ivec2 at) {
   }
   const uint index = uint(at.y) * push.depth_width + uint(at.x);
   const vec3 ray = rays[index];  // zero where the lens has none
-  const float along = dot(normal, c) / dot(normal, ray);
+  const float facing = dot(normal, ray);
+  if (facing == 0.0) {
+    return;
+  }
+  const float along = dot(normal, c) / facing;
   const vec3 aside = along * ray - c;
   if (along > 0.0 && dot(aside, aside) <= push.radius * push.radius) {
     atomicMin(depth[index], floatBitsToUint(along));

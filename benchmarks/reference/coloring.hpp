@@ -86,7 +86,10 @@ inline std::vector<double> depths(const DepthCameraTwin& camera, std::span<const
       }
     }
     const Eigen::Vector3d normal = disc.normal.value_or(disc.p / range);
-    const int64_t reach = gpu::kMostSplat + 1;
+    // Three times what the disc covers in the middle of the image: a lens magnifies less.
+    const CameraModel& model = camera.projection.camera();
+    const double covers = radius / range * std::max(model.fx, model.fy) / camera.pixels;
+    const int64_t reach = std::min<int64_t>(gpu::kMostSplat + 1, std::llround(3.0 * covers) + 2);
     for (int64_t y = column(v) - reach; y <= column(v) + reach; ++y) {
       for (int64_t x = column(u) - reach; x <= column(u) + reach; ++x) {
         if (x < 0 || y < 0 || x >= camera.width || y >= camera.height) {

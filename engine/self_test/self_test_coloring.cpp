@@ -27,7 +27,7 @@ constexpr int kAcross = 32;
 constexpr int kDown = 24;
 constexpr double kPixels = 2.0;  // of the image, in one of the depth image
 constexpr double kFocal = 32.0;
-constexpr double kWidest = 0.625;  // the tangent of half the angle: 64 degrees off the axis
+constexpr double kWidest = 0.384615;  // u: 64 degrees off the axis
 
 constexpr double kWall = 4.0;                         // m ahead
 constexpr Vector kBall = {18.0 / 32, 2.0 / 32, 2.0};  // in the middle of a depth image's pixel
@@ -91,7 +91,8 @@ gpu::ViewCamera known_camera() {
 std::vector<float> known_lens() {
   std::vector<float> radii;
   for (uint32_t step = 0; step <= gpu::kLensSteps; ++step) {
-    const double h = kWidest * step / gpu::kLensSteps;
+    const double u = kWidest * step / gpu::kLensSteps;
+    const double h = u / (1.0 - u);  // the tangent of half the angle
     radii.push_back(static_cast<float>(2.0 * h / (1.0 - h * h)));
   }
   return radii;

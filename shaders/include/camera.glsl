@@ -13,11 +13,11 @@ struct Pixel {
 
 Pixel pixel_of(ViewCamera camera, vec3 p) {
   const float aside = length(p.xy);
-  const float h = aside / (length(p) + p.z);
-  if (!(h < camera.widest)) {
+  const float u = aside / (aside + length(p) + p.z);
+  if (!(u < camera.widest)) {
     return Pixel(vec2(0.0), false);
   }
-  const float place = h / camera.widest * float(kLensSteps);
+  const float place = u / camera.widest * float(kLensSteps);
   const uint step = min(uint(place), kLensSteps - 1);
   const float radius = mix(lens_radii[step], lens_radii[step + 1], place - float(step));
   vec2 seen = aside > 0.0 ? p.xy * (radius / aside) : vec2(0.0);

@@ -11,20 +11,23 @@ namespace adit::gpu {
 
 const uint kLensSteps = 1024;      // of a lens's table
 const uint kNoDepth = 0xffffffff;  // of a depth image's pixel: nothing is seen there
-const int kMostSplat = 24;         // pixels to either side that a surface covers in a depth image
-const uint kMostSightings = 8;     // of a point, that are kept
+// Pixels of a depth image to either side that a surface covers at most: 19 degrees. Nearer than
+// twice its width a surface leaves a rim out.
+const int kMostSplat = 64;
+const uint kMostSightings = 8;  // of a point, that are kept
 // A channel above that may be saturated: such a sighting counts where there is no other.
 const uint kBrightest = 250;
 const float kSaturatedWorth = 0.0009765625;  // 1/1024
 
-// A camera at one place. Directions are told by h = aside / (length + z), the tangent of half the
-// angle to the axis, so that nothing depends on a device's trigonometry; the lens's table gives the
-// image's radius, for a focal length of 1, at kLensSteps + 1 values of h from 0 to widest.
+// A camera at one place. Directions are told by u = aside / (aside + length + z), which grows from
+// 0 on the axis to 1/2 beside the lens and 1 behind it, so that nothing depends on a device's
+// trigonometry; the lens's table gives the image's radius, for a focal length of 1, at
+// kLensSteps + 1 values of u from 0 to widest.
 struct ViewCamera {
   mat3x4 T_camera_local;  // maps the points' coordinates to the optical frame, m
   float fx, fy, cx, cy;   // pixels
   float p1, p2;           // tangential distortion
-  float widest;           // h
+  float widest;           // u
   uint width, height;     // pixels of the image
 };
 

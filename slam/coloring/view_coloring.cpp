@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -36,10 +37,11 @@ engine::Buffer uploaded(engine::Context& context, std::span<const T> values, con
 LensTable lens_table(const CameraModel& model) {
   const CameraProjection projection(model);
   const bool fisheye = model.lens == Lens::fisheye;
-  // Of the radius of x/z and y/z, or the angle, the tangent of half the angle.
-  const double angle = fisheye ? projection.widest() : std::atan(projection.widest());
-  constexpr double kAlmostBehind = 179.0 * kDegree;  // where the tangent ends
-  const double widest = std::tan(0.5 * std::min(angle, kAlmostBehind));
+  const double widest = fisheye ? projection.widest() : std::atan(projection.widest());
+  // u of an angle, and back: shaders/shared/coloring.h.
+  const double u = std::sin(widest) / (std::sin(widest) + 1.0 + std::cos(widest));
+  const double u_widest = widest < std::numbers::pi ? u : 1.0;
+  const auto angle_of = [](double at) { return 2.0 * std::atan2(at, 1.0 - at); };
   CameraModel centred = model;
   centred.fx = 1.0;
   centred.fy = 1.0;
@@ -57,14 +59,14 @@ LensTable lens_table(const CameraModel& model) {
                              .cy = static_cast<float>(model.cy),
                              .p1 = fisheye ? 0.0F : static_cast<float>(model.distortion[2]),
                              .p2 = fisheye ? 0.0F : static_cast<float>(model.distortion[3]),
-                             .widest = static_cast<float>(widest),
+                             .widest = static_cast<float>(u_widest),
                              .width = static_cast<uint32_t>(model.width),
                              .height = static_cast<uint32_t>(model.height)},
                   .radii = {}};
   for (uint32_t step = 0; step <= gpu::kLensSteps; ++step) {
     // Rounding must not lead past the widest angle.
     constexpr double kJustInside = 1.0 - 1e-9;
-    const double at = 2.0 * std::atan(kJustInside * widest * step / gpu::kLensSteps);
+    const double at = angle_of(kJustInside * u_widest * step / gpu::kLensSteps);
     const auto pixel = radial.pixel({std::sin(at), 0.0, std::cos(at)});
     table.radii.push_back(pixel ? static_cast<float>(pixel->x()) : table.radii.back());
   }
@@ -173,10 +175,23 @@ engine::Buffer ViewColoring::image_on_device(const Camera& camera,
 std::vector<SeenColor> ViewColoring::colors(std::span<const Eigen::Vector3d> points,
                                             const Eigen::Vector3d& origin,
                                             std::span<const Look> looks, double tolerance) const {
-  std::vector<SeenColor> colors(points.size());
-  if (points.empty() || looks.empty()) {
-    return colors;
+  constexpr std::size_t kMostAtOnce = std::size_t{1} << 20U;  // whose sightings take 64 MB
+  std::vector<SeenColor> colors;
+  colors.reserve(points.size());
+  for (std::size_t begin = 0; begin < points.size() && !looks.empty(); begin += kMostAtOnce) {
+    const auto some = points.subspan(begin, std::min(kMostAtOnce, points.size() - begin));
+    const std::vector<SeenColor> seen = colors_at_once(some, origin, looks, tolerance);
+    colors.insert(colors.end(), seen.begin(), seen.end());
   }
+  colors.resize(points.size());
+  return colors;
+}
+
+std::vector<SeenColor> ViewColoring::colors_at_once(std::span<const Eigen::Vector3d> points,
+                                                    const Eigen::Vector3d& origin,
+                                                    std::span<const Look> looks,
+                                                    double tolerance) const {
+  std::vector<SeenColor> colors(points.size());
   const auto count = static_cast<uint32_t>(points.size());
   const engine::Buffer local = context_->make_buffer(points.size() * sizeof(gpu::vec3),
                                                      engine::Memory::upload, "points in view");

@@ -101,6 +101,9 @@ class ViewColoring {
                                 double tolerance) const;
 
  private:
+  std::vector<SeenColor> colors_at_once(std::span<const Eigen::Vector3d> points,
+                                        const Eigen::Vector3d& origin, std::span<const Look> looks,
+                                        double tolerance) const;
   engine::Buffer image_on_device(const Camera& camera, std::span<const uint8_t> rgb) const;
 
   engine::Context* context_;

@@ -49,6 +49,29 @@ std::optional<Ray> undistorted(const Ray& seen, const Distortion& d) {
   return std::nullopt;
 }
 
+/// The same by bisection of the radius, where the fixed point is not reached: lenses that bend
+/// much. The tangential part, which is small, is taken off step by step.
+std::optional<Ray> undistorted_slowly(const Ray& seen, double widest, const Distortion& d) {
+  Distortion radial_only = d;
+  radial_only[2] = 0.0;
+  radial_only[3] = 0.0;
+  Ray ray = Ray::Zero();
+  constexpr int kSteps = 20;
+  for (int step = 0; step < kSteps; ++step) {
+    const Ray wanted = seen - (distorted(ray, d) - distorted(ray, radial_only));
+    const double radius = wanted.norm();
+    double low = 0.0;
+    double high = widest;
+    for (int bit = 0; bit < std::numeric_limits<double>::digits; ++bit) {
+      const double middle = 0.5 * (low + high);
+      (middle * radial_factor(middle * middle, d) < radius ? low : high) = middle;
+    }
+    ray = radius > 0.0 ? Ray(wanted * (0.5 * (low + high) / radius)) : Ray::Zero();
+  }
+  constexpr double kSmall = 1e-7;
+  return (distorted(ray, d) - seen).norm() < kSmall ? std::optional(ray) : std::nullopt;
+}
+
 /// The radius at which a fisheye shows what is at an angle to the axis, of a focal length of 1.
 double fisheye_radius(double angle, const Distortion& d) {
   const double a2 = angle * angle;
@@ -130,7 +153,10 @@ std::optional<Eigen::Vector3d> CameraProjection::ray(const Eigen::Vector2d& pixe
   }
   const bool distorts =
       std::ranges::any_of(camera_.distortion, [](double number) { return number != 0.0; });
-  const std::optional<Ray> ray = distorts ? undistorted(seen, camera_.distortion) : seen;
+  std::optional<Ray> ray = distorts ? undistorted(seen, camera_.distortion) : seen;
+  if (!ray) {
+    ray = undistorted_slowly(seen, widest_, camera_.distortion);
+  }
   if (!ray || !(ray->norm() <= widest_)) {
     return std::nullopt;
   }

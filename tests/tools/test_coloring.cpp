@@ -108,7 +108,7 @@ class TurningViews {
         const CameraError off = error - truth_;
         const Eigen::Vector3d beside =
             surfaces_[i] + R * (off.head<3>().cross(p) + off[3] * velocity);
-        all.push_back({.surface = i * 0x9e3779b1U, .view = view, .color = color(beside)});
+        all.push_back({.surface = i * 0x9e3779b97f4a7c15U, .view = view, .color = color(beside)});
       }
     }
     std::ranges::sort(all, {}, [](const Sighted& one) { return std::pair(one.surface, one.view); });
@@ -259,6 +259,10 @@ class Colorized : public testing::Test {
         errors.push_back(error);
       }
     }
+    if (errors.empty()) {
+      ADD_FAILURE() << "no point has a colour";
+      return {};
+    }
     std::ranges::nth_element(errors, errors.begin() + static_cast<int>(errors.size() / 2));
     return {.colored = colored / static_cast<double>(points), .median = errors[errors.size() / 2]};
   }
@@ -270,7 +274,7 @@ TEST_F(Colorized, PointsHaveTheColorsOfTheirSurfaces) {
   map("front", {});
   const test::Ran done = colorized("a.ply");
   ASSERT_EQ(done.code, 0) << done.err;
-  EXPECT_NE(done.out.find("camera /camera_front/image_raw: too few"), std::string::npos);
+  EXPECT_NE(done.out.find("camera /camera_front/image_raw: too little"), std::string::npos);
   const Errors errors = errors_of("a.ply");
   EXPECT_GT(errors.colored, 0.2);
   EXPECT_LT(errors.median, 6.0);

@@ -42,7 +42,7 @@ struct Search {
   }
 };
 
-/// "/a, /b" of those whose images are read, or of all.
+/// "/a, /b".
 std::string names_of(const std::vector<CameraTopic>& topics) {
   std::string names;
   for (const CameraTopic& topic : topics) {

@@ -35,8 +35,7 @@ std::vector<Pair> pairs_of(const std::vector<Sighted>& sighted) {
       ++end;
     }
     for (const auto& [i, j] : far_pairs(end - begin)) {
-      // Any bit of the key that does not choose the samples.
-      const bool tests = ((sighted[begin].surface * 0x9e3779b97f4a7c15U) >> 60U) % 2 == 1;
+      const bool tests = ((sighted[begin].surface >> 40U) & 1U) == 1;  // a bit of a hash
       pairs.push_back({.a = begin + i, .b = begin + j, .tests = tests});
     }
     begin = end;
@@ -206,20 +205,26 @@ CameraErrorEstimate estimate_camera_error(const SightSurfaces& sight, const Came
   const std::vector<Pair> pairs_after = pairs_of(after);
   const Balance balance_before(before, pairs_before);
   const Balance balance_after(after, pairs_after);
-  std::map<std::pair<uint64_t, std::pair<std::size_t, std::size_t>>, double> sizes;
+  // Of each surface the pairs of views that see it both ways.
+  using Looks = std::pair<uint64_t, std::pair<std::size_t, std::size_t>>;
+  const auto looks_of = [](const std::vector<Sighted>& sighted, const Pair& pair) {
+    return Looks(sighted[pair.a].surface, {sighted[pair.a].view, sighted[pair.b].view});
+  };
+  std::map<Looks, double> sizes;
   for (const Pair& pair : pairs_before) {
     if (pair.tests) {
-      sizes[{before[pair.a].surface, {before[pair.a].view, before[pair.b].view}}] =
-          balance_before.residual(before, pair).norm();
+      sizes[looks_of(before, pair)] = balance_before.residual(before, pair).norm();
     }
   }
+  std::map<uint64_t, double> gains;  // by surface: how much smaller its differences become
   for (const Pair& pair : pairs_after) {
-    const auto found =
-        sizes.find({after[pair.a].surface, {after[pair.a].view, after[pair.b].view}});
+    const auto found = sizes.find(looks_of(after, pair));
     if (pair.tests && found != sizes.end()) {
-      const double size = balance_after.residual(after, pair).norm();
-      ++(size < found->second ? estimate.better : estimate.worse);
+      gains[after[pair.a].surface] += found->second - balance_after.residual(after, pair).norm();
     }
+  }
+  for (const auto& [surface, gain] : gains) {
+    ++(gain > 0.0 ? estimate.better : estimate.worse);
   }
   return estimate;
 }

@@ -21,8 +21,8 @@ namespace adit {
 /// were taken after their stamps, s.
 using CameraError = Eigen::Vector4d;
 
-/// The steps of the camera's error that move what is seen by some pixels; the priors are their
-/// widths: what people mount and triggers keep, a degree and 20 ms.
+/// How large errors are before anything is known, one standard deviation: what mountings and
+/// triggers keep, a degree and 20 ms.
 CameraError camera_error_prior();
 
 /// What views show of surfaces, if the camera's error were `error`. Sorted by surface, then by

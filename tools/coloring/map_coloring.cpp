@@ -3,6 +3,7 @@
 #include "adit/tools/coloring/map_coloring.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <numbers>
 #include <utility>
@@ -17,6 +18,7 @@ namespace {
 constexpr uint64_t kMostViewBytes = uint64_t{512} << 20U;  // of views that stay
 // Of a sweep, points by which views are chosen; and views that each of them may need: as many as a
 // colour is made of, and as many again, since some are hidden.
+constexpr double kFarthest = 100.0;  // m: as far as most lidars reach
 constexpr std::size_t kSamples = 128;
 constexpr std::size_t kViewsASample = 2 * gpu::kMostSightings;
 
@@ -35,22 +37,41 @@ bool is_within(const CameraModel& model, const Eigen::Vector2d& pixel) {
          pixel.y() <= static_cast<double>(model.height) - 0.5;
 }
 
-/// Numbers of a camera's views: all of few, of many those in stretches that are evenly spread.
-std::vector<std::size_t> spread_views(const std::vector<MapView>& views, std::size_t camera) {
+/// What a view takes on the device, but for its depths, which are coarser.
+uint64_t bytes_of(const CameraModel& model) {
+  return sizeof(uint32_t) * uint64_t{model.width} * model.height;
+}
+
+/// Up to kSamples indices of so many, one behind the other never in a row: by the golden ratio.
+std::vector<std::size_t> spread_indices(std::size_t count) {
+  std::vector<std::size_t> indices;
+  for (uint64_t k = 0; k < std::min(count, kSamples); ++k) {
+    const uint64_t share = (k * 0x9e3779b97f4a7c15U) >> 32U;  // of 2^32
+    indices.push_back(static_cast<std::size_t>((share * count) >> 32U));
+  }
+  return indices;
+}
+
+/// Numbers of a camera's views: all of few, of many those in stretches that are evenly spread, no
+/// more than stay in memory.
+std::vector<std::size_t> spread_views(const std::vector<MapView>& views, std::size_t camera,
+                                      const CameraModel& model) {
+  const uint64_t fit = kMostViewBytes / (2 * kStretches * bytes_of(model));  // a stretch
+  const auto a_stretch = static_cast<std::size_t>(std::clamp<uint64_t>(fit, 2, kViewsAStretch));
   std::vector<std::size_t> all;
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (views[i].camera == camera) {
       all.push_back(i);
     }
   }
-  if (all.size() <= kStretches * kViewsAStretch) {
+  if (all.size() <= kStretches * a_stretch) {
     return all;
   }
   std::vector<std::size_t> spread;
   for (std::size_t i = 0; i < kStretches; ++i) {
-    const std::size_t first = i * (all.size() - kViewsAStretch) / (kStretches - 1);
+    const std::size_t first = i * (all.size() - a_stretch) / (kStretches - 1);
     spread.insert(spread.end(), all.begin() + static_cast<std::ptrdiff_t>(first),
-                  all.begin() + static_cast<std::ptrdiff_t>(first + kViewsAStretch));
+                  all.begin() + static_cast<std::ptrdiff_t>(first + a_stretch));
   }
   return spread;
 }
@@ -74,9 +95,9 @@ std::optional<Eigen::Isometry3d> camera_pose(const SensorPath& path, const Camer
 
 MapColoring::MapColoring(const MapDatabase& map, engine::Context& context,
                          std::vector<CameraSource> cameras, const SensorPath& path,
-                         uint64_t submap_bytes)
+                         std::shared_ptr<const MovedSpace> moved, uint64_t submap_bytes)
     : coloring_(context),
-      surfaces_(map, coloring_, submap_bytes),
+      surfaces_(map, coloring_, std::move(moved), submap_bytes),
       cameras_(std::move(cameras)),
       path_(path),
       views_(choose_views(cameras_, path_)),
@@ -90,50 +111,74 @@ MapColoring::MapColoring(const MapDatabase& map, engine::Context& context,
 
 /// Farther away a pixel is wider than the map's points are apart.
 double MapColoring::reach_of(std::size_t camera) const {
-  return surfaces_.spacing() * cameras_[camera].model.fx;
+  return std::min(surfaces_.spacing() * cameras_[camera].model.fx, kFarthest);
 }
 
-std::vector<std::size_t> MapColoring::views_of(std::span<const CloudPoint> points,
+std::vector<std::size_t> MapColoring::views_of(std::span<const Eigen::Vector3d> places,
                                                const Eigen::Vector3d& sensor) const {
   double farthest = 0.0;
-  for (const CloudPoint& point : points) {
-    farthest = std::max(farthest, (point.position - sensor).norm());
+  for (const Eigen::Vector3d& place : places) {
+    farthest = std::max(farthest, (place - sensor).norm());
   }
   struct Near {
     std::size_t number;
+    double reach;
+    Eigen::Vector3d at;
     Eigen::Isometry3d T_camera_map;
   };
   std::vector<Near> near;
   for (std::size_t i = 0; i < views_.size(); ++i) {
     const Eigen::Isometry3d& T_map_camera = views_[i].T_map_camera;
-    if ((T_map_camera.translation() - sensor).norm() < farthest + reach_of(views_[i].camera)) {
-      near.push_back({.number = i, .T_camera_map = T_map_camera.inverse()});
+    const double reach = reach_of(views_[i].camera);
+    if ((T_map_camera.translation() - sensor).norm() < farthest + reach) {
+      near.push_back({.number = i,
+                      .reach = reach,
+                      .at = T_map_camera.translation(),
+                      .T_camera_map = T_map_camera.inverse()});
     }
   }
-  std::set<std::size_t> chosen;
-  const std::size_t step = std::max<std::size_t>(1, points.size() / kSamples);
+  std::map<std::size_t, std::size_t> votes;  // by view
   std::vector<Rated> rated;
-  for (std::size_t i = step / 2; i < points.size(); i += step) {
+  for (const std::size_t i : spread_indices(places.size())) {
     rated.clear();
     for (const Near& one : near) {
-      const std::size_t camera = views_[one.number].camera;
-      const CameraModel& model = cameras_[camera].model;
-      const Eigen::Vector3d p = one.T_camera_map * points[i].position;
-      const auto pixel = p.norm() < reach_of(camera) ? projections_[camera].pixel(p) : std::nullopt;
+      const double range = (places[i] - one.at).norm();
+      if (range >= one.reach) {
+        continue;
+      }
+      const CameraProjection& projection = projections_[views_[one.number].camera];
+      const CameraModel& model = projection.camera();
+      const auto pixel = projection.pixel(one.T_camera_map * places[i]);
       if (pixel && is_within(model, *pixel)) {
-        rated.push_back({.weight = model.fx * model.fy / p.squaredNorm(), .view = one.number});
+        rated.push_back({.weight = model.fx * model.fy / (range * range), .view = one.number});
       }
     }
     const std::size_t wanted = std::min(rated.size(), kViewsASample);
-    std::ranges::partial_sort(rated, rated.begin() + static_cast<std::ptrdiff_t>(wanted),
-                              [](const Rated& a, const Rated& b) {
-                                return std::pair(-a.weight, a.view) < std::pair(-b.weight, b.view);
-                              });
+    std::ranges::partial_sort(rated, rated.begin() + static_cast<std::ptrdiff_t>(wanted), {},
+                              [](const Rated& one) { return std::pair(-one.weight, one.view); });
     for (std::size_t k = 0; k < wanted; ++k) {
-      chosen.insert(rated[k].view);
+      ++votes[rated[k].view];
     }
   }
-  return {chosen.begin(), chosen.end()};
+  return most_wanted(votes);
+}
+
+/// Views of the most votes, as many as stay in memory, in their order.
+std::vector<std::size_t> MapColoring::most_wanted(
+    const std::map<std::size_t, std::size_t>& votes) const {
+  std::vector<std::pair<std::size_t, std::size_t>> by_votes(votes.begin(), votes.end());
+  std::ranges::stable_sort(by_votes, std::greater(), &std::pair<std::size_t, std::size_t>::second);
+  std::vector<std::size_t> chosen;
+  uint64_t bytes = 0;
+  for (const auto& [view, count] : by_votes) {
+    bytes += bytes_of(cameras_[views_[view].camera].model);
+    if (bytes > kMostViewBytes && !chosen.empty()) {
+      break;
+    }
+    chosen.push_back(view);
+  }
+  std::ranges::sort(chosen);
+  return chosen;
 }
 
 std::optional<ColorImage> MapColoring::image_of(const MapView& view) {
@@ -143,10 +188,10 @@ std::optional<ColorImage> MapColoring::image_of(const MapView& view) {
     if (image.width == camera.model.width && image.height == camera.model.height) {
       return image;
     }
+    other_size_.insert({view.camera, view.image});
   } catch (const InputError&) {
-    // counted below
+    damaged_.insert({view.camera, view.image});
   }
-  damaged_.insert({view.camera, view.image});
   return std::nullopt;
 }
 
@@ -176,7 +221,7 @@ std::vector<SurfaceSample> MapColoring::samples_of(const MapView& view) {
   return samples;
 }
 
-CameraFinding MapColoring::find_error(std::size_t camera) {
+CameraFinding MapColoring::find_error(std::size_t camera, const std::function<void()>& working) {
   struct Used {
     std::size_t number;
     MapView view;
@@ -186,7 +231,7 @@ CameraFinding MapColoring::find_error(std::size_t camera) {
     View drawn;  ///< as `hidden_by` and `blur` below have it
   };
   std::vector<Used> used;
-  for (const std::size_t number : spread_views(views_, camera)) {
+  for (const std::size_t number : spread_views(views_, camera, cameras_[camera].model)) {
     if (std::optional<ColorImage> image = image_of(views_[number])) {
       Used one{.number = number,
                .view = views_[number],
@@ -205,6 +250,7 @@ CameraFinding MapColoring::find_error(std::size_t camera) {
     const bool anew = !drawn || drawn->first != hidden_by || drawn->second != blur;
     drawn = {hidden_by, blur};
     std::vector<Sighted> all;
+    working();
     for (Used& one : used) {
       const auto pose = camera_pose(path_, source, one.view.image, error);
       const auto drawn_from = camera_pose(path_, source, one.view.image, hidden_by);
@@ -245,7 +291,8 @@ void MapColoring::balance(const std::function<void(std::size_t, std::size_t)>& p
   for (std::size_t i = 0; i < views_.size(); ++i) {
     if (const View one = view(i)) {
       std::vector<SurfaceSample> samples = samples_of(views_[i]);
-      std::erase_if(samples, [&](const SurfaceSample& sample) { return sample.key % one_in != 0; });
+      std::erase_if(samples,
+                    [&](const SurfaceSample& sample) { return (sample.key >> 20U) % one_in != 0; });
       std::vector<Eigen::Vector3d> places;
       std::ranges::transform(samples, std::back_inserter(places), &SurfaceSample::p);
       const ViewColoring::Look look{.view = one, .T_map_camera = views_[i].T_map_camera};
@@ -266,7 +313,7 @@ std::vector<CameraFinding> MapColoring::prepare(
     bool corrects, const std::function<void(std::size_t, std::size_t)>& progress) {
   std::vector<CameraFinding> findings;
   for (std::size_t i = 0; corrects && i < cameras_.size(); ++i) {
-    findings.push_back(find_error(i));
+    findings.push_back(find_error(i, [&] { progress(0, views_.size()); }));
   }
   for (std::size_t i = 0; i < findings.size(); ++i) {
     if (findings[i].corrected) {
@@ -297,23 +344,16 @@ MapColoring::View MapColoring::view(std::size_t number) {
   return kept_.front().view;
 }
 
-void MapColoring::color(std::span<CloudPoint> points, const Eigen::Vector3d& sensor) {
-  counts_.points += points.size();
+void MapColoring::color(std::span<CloudPoint> points, std::span<const Eigen::Vector3d> places,
+                        const Eigen::Vector3d& sensor) {
   std::vector<ViewColoring::Look> looks;
-  for (const std::size_t number : views_of(points, sensor)) {
+  for (const std::size_t number : views_of(places, sensor)) {
     if (View one = view(number)) {
       looks.push_back({.view = std::move(one),
                        .T_map_camera = views_[number].T_map_camera,
                        .gain = gains_[number]});
       used_.insert(number);
     }
-  }
-  counts_.views = used_.size();
-  counts_.damaged = damaged_.size();
-  std::vector<Eigen::Vector3d> places;
-  places.reserve(points.size());
-  for (const CloudPoint& point : points) {
-    places.push_back(point.position);
   }
   const std::vector<SeenColor> seen = coloring_.colors(places, sensor, looks, surfaces_.spacing());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -322,6 +362,10 @@ void MapColoring::color(std::span<CloudPoint> points, const Eigen::Vector3d& sen
       ++counts_.colored;
     }
   }
+  counts_.points += points.size();
+  counts_.views = used_.size();
+  counts_.damaged = damaged_.size();
+  counts_.other_size = other_size_.size();
 }
 
 }  // namespace adit

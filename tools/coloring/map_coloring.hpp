@@ -43,25 +43,29 @@ struct CameraFinding {
 struct ColoringCounts {
   uint64_t points = 0;
   uint64_t colored = 0;
-  std::size_t images = 0;   ///< of all cameras
-  std::size_t views = 0;    ///< images that were used
-  std::size_t damaged = 0;  ///< images that cannot be read
+  std::size_t images = 0;      ///< of all cameras
+  std::size_t views = 0;       ///< images that were used
+  std::size_t damaged = 0;     ///< images that cannot be read
+  std::size_t other_size = 0;  ///< images of another size than the first ones
 };
 
 class MapColoring {
  public:
   /// Cameras with images and a mounting. The map and the context must outlive it.
+  /// What is in `moved` (null: nothing) hides nothing.
   MapColoring(const MapDatabase& map, engine::Context& context, std::vector<CameraSource> cameras,
-              const SensorPath& path, uint64_t submap_bytes);
+              const SensorPath& path, std::shared_ptr<const MovedSpace> moved,
+              uint64_t submap_bytes);
 
   /// Finds the gains of all views and, where `corrects`, the cameras' errors before. `progress` by
   /// images that were looked at.
   std::vector<CameraFinding> prepare(
       bool corrects, const std::function<void(std::size_t done, std::size_t total)>& progress);
 
-  /// Gives points that were seen from around `sensor` their colours; both map frame, m. What moves
-  /// stays black: it was elsewhere when most images were taken.
-  void color(std::span<CloudPoint> points, const Eigen::Vector3d& sensor);
+  /// Gives points at `places`, that were seen from around `sensor`, their colours; both map frame,
+  /// m. What moves stays black: it was elsewhere when most images were taken.
+  void color(std::span<CloudPoint> points, std::span<const Eigen::Vector3d> places,
+             const Eigen::Vector3d& sensor);
 
   ColoringCounts counts() const { return counts_; }
 
@@ -73,8 +77,9 @@ class MapColoring {
   };
 
   /// Numbers of the views that see some of the points best.
-  std::vector<std::size_t> views_of(std::span<const CloudPoint> points,
+  std::vector<std::size_t> views_of(std::span<const Eigen::Vector3d> places,
                                     const Eigen::Vector3d& sensor) const;
+  std::vector<std::size_t> most_wanted(const std::map<std::size_t, std::size_t>& votes) const;
   View view(std::size_t number);
   View make(std::size_t number);
   /// The image of a view; none where it cannot be read.
@@ -82,7 +87,7 @@ class MapColoring {
   View view_of(const MapView& view, std::span<const uint8_t> rgb);
   /// The samples that a view may see.
   std::vector<SurfaceSample> samples_of(const MapView& view);
-  CameraFinding find_error(std::size_t camera);
+  CameraFinding find_error(std::size_t camera, const std::function<void()>& working);
   void balance(const std::function<void(std::size_t, std::size_t)>& progress);
   double reach_of(std::size_t camera) const;
 
@@ -98,7 +103,8 @@ class MapColoring {
   std::map<std::size_t, std::list<Kept>::iterator> places_;
   uint64_t kept_bytes_ = 0;
   std::set<std::size_t> used_;
-  std::set<std::pair<std::size_t, std::size_t>> damaged_;  ///< camera and image
+  std::set<std::pair<std::size_t, std::size_t>> damaged_;     ///< camera and image
+  std::set<std::pair<std::size_t, std::size_t>> other_size_;  ///< likewise
   ColoringCounts counts_;
 };
 

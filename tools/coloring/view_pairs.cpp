@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include <Eigen/SparseCholesky>
 
@@ -28,19 +29,21 @@ double weight_of(const ViewRatio& ratio) {
 
 /// How much of the gains is more than what noise gives: 1 - 1/F, where F compares what each gain
 /// explains with what is left to each further pair (James and Stein 1961). Exposures that do not
-/// vary are left alone.
+/// vary are left alone. Where there are no further pairs nothing tells, and gains stay.
 double explained(const Eigen::MatrixX3d& logs, std::span<const ViewRatio> ratios) {
   double before = 0.0;
   double after = 0.0;
+  std::set<std::size_t> compared;
   for (const ViewRatio& ratio : ratios) {
     const LogColor gain = (logs.row(static_cast<Eigen::Index>(ratio.a)) -
                            logs.row(static_cast<Eigen::Index>(ratio.b)))
                               .transpose();
+    compared.insert({ratio.a, ratio.b});
     before += weight_of(ratio) * ratio.median.squaredNorm();
     after += weight_of(ratio) * (ratio.median - gain).squaredNorm();
   }
   const double pairs = static_cast<double>(ratios.size());
-  const double views = static_cast<double>(logs.rows());
+  const double views = static_cast<double>(compared.size());
   if (pairs <= views) {
     return 1.0;
   }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <unordered_set>
+#include <utility>
 
 #include "adit/slam/submaps/moved_space.hpp"
 #include "adit/tools/map_database/map_trajectory.hpp"
@@ -19,16 +20,19 @@ double spacing_of(const MapDatabase& map, SubmapCache& submaps) {
   return keyframes.empty() ? 1.0 : load_submap(submaps, keyframes.front().id, map.file())->r_submap;
 }
 
-/// By the voxel alone, spread evenly: the upper bits of Fibonacci hashing (Knuth 1973).
-bool is_sample(uint64_t key) {
-  return ((key * 0x9e3779b97f4a7c15U) >> 32U) % ViewSurfaces::kOneIn == 0;
+/// A number for a voxel whose bits are spread evenly, by Fibonacci hashing (Knuth 1973).
+uint64_t hash_of(const VoxelIndex& voxel) {
+  return key_of(voxel) * 0x9e3779b97f4a7c15U;
 }
 
 }  // namespace
 
 ViewSurfaces::ViewSurfaces(const MapDatabase& map, const ViewColoring& coloring,
-                           uint64_t submap_bytes)
-    : map_(&map), coloring_(&coloring), submaps_(submap_loader(map), submap_bytes) {
+                           std::shared_ptr<const MovedSpace> moved, uint64_t submap_bytes)
+    : map_(&map),
+      moved_(std::move(moved)),
+      coloring_(&coloring),
+      submaps_(submap_loader(map), submap_bytes) {
   grid_.cell = spacing_of(map, submaps_);
   grid_.across = static_cast<int64_t>(std::ceil(kTile / grid_.cell));
   keyframes_ = keyframes_by_tile(map, {}, {}, grid_);
@@ -92,11 +96,12 @@ ViewSurfaces::Kept ViewSurfaces::make(const TileNumber& number) {
     const auto submap = load_submap(submaps_, keyframe.id, map_->file());
     for (const SubmapPoint& point : submap->points) {
       const Eigen::Vector3d p = keyframe.T_map_keyframe * point.position();
-      if (point.seen_through || grid_.tile_of(p.head<2>()) != number ||
+      if (point.seen_through || (moved_ && moved_->contains(p)) ||
+          grid_.tile_of(p.head<2>()) != number ||
           !taken.insert(key_of(voxel_of(p, grid_.cell))).second) {
         continue;
       }
-      if (const uint64_t key = key_of(voxel_of(p, grid_.cell)); is_sample(key)) {
+      if (const uint64_t key = hash_of(voxel_of(p, grid_.cell)); (key >> 60U) % kOneIn == 0) {
         made.samples.push_back({.key = key, .p = p});
       }
       const Eigen::Vector3f local = (p - origin).cast<float>();

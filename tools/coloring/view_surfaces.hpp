@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "adit/slam/coloring/view_coloring.hpp"
+#include "adit/slam/submaps/moved_space.hpp"
 #include "adit/slam/submaps/submap_cache.hpp"
 #include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/map_products/map_tiles.hpp"
@@ -17,7 +18,8 @@ namespace adit {
 
 /// A point of the map by which images are compared.
 struct SurfaceSample {
-  uint64_t key = 0;                             ///< its own, and the same whenever it is asked for
+  /// Its own, the same whenever it is asked for; the upper four bits are zero.
+  uint64_t key = 0;
   Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< map frame, m
 };
 
@@ -25,8 +27,10 @@ struct SurfaceSample {
 /// that were needed last stay.
 class ViewSurfaces {
  public:
-  /// `submap_bytes` of decoded submaps stay in memory. Throws InputError where the map is damaged.
-  ViewSurfaces(const MapDatabase& map, const ViewColoring& coloring, uint64_t submap_bytes);
+  /// Without what is in `moved`, which may be null. `submap_bytes` of decoded submaps stay in
+  /// memory. Throws InputError where the map is damaged.
+  ViewSurfaces(const MapDatabase& map, const ViewColoring& coloring,
+               std::shared_ptr<const MovedSpace> moved, uint64_t submap_bytes);
 
   /// m, between neighbouring surfaces.
   double spacing() const { return grid_.cell; }
@@ -49,6 +53,7 @@ class ViewSurfaces {
   Kept make(const TileNumber& number);
 
   const MapDatabase* map_;
+  std::shared_ptr<const MovedSpace> moved_;
   const ViewColoring* coloring_;
   SubmapCache submaps_;
   TileGrid grid_;

@@ -28,8 +28,8 @@ class DenseRecording {
   const SensorPath& path() const { return path_; }
   std::size_t sweeps() const { return sweeps_.size(); }  ///< of the map
 
-  /// The cameras of --camera and --cameras, or all that the recording has, with their mountings.
-  /// Throws InputError: there is none, or one whose mounting is not known.
+  /// The cameras of --camera and --calibration, or all that the recording has, with their
+  /// mountings. Throws InputError: there is none, or one whose mounting is not known.
   std::vector<CameraSource> cameras() const;
 
   using TakeSweep = std::function<void(const Sweep& sweep, const SensorPath::Stretch& path,

@@ -45,7 +45,7 @@ struct Painter {
   Painter(const ExportJob& job, const DenseRecording& recording)
       : cameras(recording.cameras()),
         device(with_notes(job)),
-        coloring(*job.map, device.context(), cameras, recording.path(),
+        coloring(*job.map, device.context(), cameras, recording.path(), job.moved,
                  job.memory->submap_bytes()) {}
 
   static DeviceOptions with_notes(const ExportJob& job) {
@@ -63,7 +63,7 @@ struct Painter {
 std::string text_of(const CameraFinding& finding) {
   if (!finding.determined) {
     return fmt::format(
-        "camera {}: too few of its views show the same surfaces to check its mounting\n",
+        "camera {}: too little of what its views show tells whether its mounting is right\n",
         finding.camera);
   }
   return fmt::format(
@@ -102,6 +102,9 @@ std::string text_of(const ColoringCounts& counts, std::size_t cameras) {
                                  cameras == 1 ? "1 camera" : fmt::format("{} cameras", cameras));
   if (counts.damaged > 0) {
     text += fmt::format("; {} images are damaged", counts.damaged);
+  }
+  if (counts.other_size > 0) {
+    text += fmt::format("; {} images have another size than their calibration", counts.other_size);
   }
   return text;
 }
@@ -157,30 +160,32 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
   }
   Progress progress(*job.err, progress_style_of_stderr(), "export", recording.sweeps());
   std::size_t placed = 0;
-  std::string text = recording.visit([&](const Sweep& sweep, const SensorPath::Stretch& path,
-                                         const MapSweep& in_map) {
-    std::vector<CloudPoint> points = placed_points(sweep, path);
-    std::erase_if(points, [&](const CloudPoint& point) {
-      return selection.is_gone && selection.is_gone(point.position, in_map.session);
-    });
-    for (CloudPoint& point : points) {
-      point.moving = has_moved(selection, point.position);
-    }
-    if (painter) {
-      painter->coloring.color(points, path.at(0.0).translation());
-    }
-    for (CloudPoint& point : points) {
-      const Eigen::Vector3d p_map = point.position;
-      point.position = coordinates.from_map(p_map);
-      classify(selection, p_map, point);
-      point.keyframe = in_map.keyframe;
-      point.session = in_map.session;
-    }
-    std::erase_if(points, [&](const CloudPoint& point) { return !is_wanted(selection, point); });
-    take(points);
-    progress.update(++placed, 0);
-    require_within(job);
-  });
+  std::string text = recording.visit(
+      [&](const Sweep& sweep, const SensorPath::Stretch& path, const MapSweep& in_map) {
+        std::vector<CloudPoint> points;
+        std::vector<Eigen::Vector3d> places;
+        for (CloudPoint& point : placed_points(sweep, path)) {
+          const Eigen::Vector3d p_map = point.position;
+          if (selection.is_gone && selection.is_gone(p_map, in_map.session)) {
+            continue;
+          }
+          point.moving = has_moved(selection, p_map);
+          point.position = coordinates.from_map(p_map);
+          classify(selection, p_map, point);
+          point.keyframe = in_map.keyframe;
+          point.session = in_map.session;
+          if (is_wanted(selection, point)) {
+            points.push_back(point);
+            places.push_back(p_map);
+          }
+        }
+        if (painter) {
+          painter->coloring.color(points, places, path.at(0.0).translation());
+        }
+        take(points);
+        progress.update(++placed, 0);
+        require_within(job);
+      });
   progress.finish();
   if (painter) {
     painter->device.require_no_complaints();
