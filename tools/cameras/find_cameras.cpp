@@ -209,16 +209,22 @@ struct FiledCameras {
 };
 FiledCameras filed_cameras(const Search& search, const CameraChoice& choice) {
   FiledCameras cameras;
-  for (const ListedCamera& listed : read_camera_file(choice.calibration)) {
+  const std::vector<ListedCamera> all = read_camera_file(choice.calibration);
+  for (const std::string& name : choice.topics) {
+    const auto is_it = [&](const ListedCamera& listed) {
+      return listed.topic.empty() ? listed.folder.empty() : is_chosen(listed.topic, {name});
+    };
+    if (std::ranges::none_of(all, is_it)) {
+      throw InputError(choice.calibration, {}, "it lists no camera with images on " + name,
+                       "Name topics as the file does, or none");
+    }
+  }
+  for (const ListedCamera& listed : all) {
     if (listed.topic.empty() ? listed.folder.empty() || choice.topics.empty()
                              : is_chosen(listed.topic, choice.topics)) {
       cameras.sources.push_back(source_of(search, listed, choice.topics));
       cameras.names.push_back(listed.name);
     }
-  }
-  if (cameras.sources.empty()) {
-    throw InputError(choice.calibration, {}, "it lists no camera with images on the named topics",
-                     "Name topics as the file does, or none");
   }
   return cameras;
 }

@@ -124,11 +124,16 @@ std::vector<CameraSource> DenseRecording::cameras() const {
       camera.T_lidar_camera = tree.transform(lidar, camera.frame);
     }
     if (!camera.T_lidar_camera) {
-      throw InputError(
-          paths_.front(), {},
-          fmt::format("no transforms lead from '{}' to '{}', the frame of the camera {}", lidar,
-                      camera.frame, camera.name),
-          "Say where it is mounted in a file: --calibration FILE, T_lidar_camera");
+      const std::string why =
+          camera.T_imu_camera
+              ? fmt::format("the camera {} is mounted on the IMU, and nothing says where that is",
+                            camera.name)
+          : camera.frame.empty()
+              ? fmt::format("nothing says where the camera {} is mounted", camera.name)
+              : fmt::format("no transforms lead from '{}' to '{}', the frame of the camera {}",
+                            lidar, camera.frame, camera.name);
+      throw InputError(paths_.front(), {}, why,
+                       "Say where it is mounted in a file: --calibration FILE, T_lidar_camera");
     }
   }
   return cameras;
