@@ -72,6 +72,23 @@ std::optional<Eigen::Isometry3d> imu_mounting(const Config& settings, const Fram
   return tree.transform(lidar, imu);
 }
 
+[[noreturn]] void fail_mounting(const fs::path& recording, const CameraSource& camera,
+                                const std::string& lidar) {
+  if (camera.T_imu_camera) {
+    throw InputError(recording, {},
+                     "the camera " + camera.name + " is mounted on the IMU, whose place is unknown",
+                     "Set imu.T_imu_lidar and map again, or give T_lidar_camera: --calibration");
+  }
+  if (camera.frame.empty()) {
+    throw InputError(recording, {}, "nothing says where the camera " + camera.name + " is mounted",
+                     "Give T_lidar_camera in a file: --calibration");
+  }
+  throw InputError(recording, {},
+                   fmt::format("no transforms lead from '{}' to '{}', the frame of the camera {}",
+                               lidar, camera.frame, camera.name),
+                   "Give T_lidar_camera in a file: --calibration");
+}
+
 }  // namespace
 
 DenseRecording::DenseRecording(const ExportJob& job)
@@ -124,16 +141,7 @@ std::vector<CameraSource> DenseRecording::cameras() const {
       camera.T_lidar_camera = tree.transform(lidar, camera.frame);
     }
     if (!camera.T_lidar_camera) {
-      const std::string why =
-          camera.T_imu_camera
-              ? fmt::format("the camera {} is mounted on the IMU, and nothing says where that is",
-                            camera.name)
-          : camera.frame.empty()
-              ? fmt::format("nothing says where the camera {} is mounted", camera.name)
-              : fmt::format("no transforms lead from '{}' to '{}', the frame of the camera {}",
-                            lidar, camera.frame, camera.name);
-      throw InputError(paths_.front(), {}, why,
-                       "Say where it is mounted in a file: --calibration FILE, T_lidar_camera");
+      fail_mounting(paths_.front(), camera, lidar);
     }
   }
   return cameras;
