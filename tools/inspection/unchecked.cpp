@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "adit/tools/recordings/ros_messages.hpp"
+
 namespace adit {
 namespace {
 
@@ -20,10 +22,17 @@ std::string named(const std::vector<std::string>& topics) {
                                 : text;
 }
 
-std::vector<std::string> topics_not_read(const Inspection& inspection) {
+/// What colours are made of: images and their calibrations.
+bool is_of_camera(const Topic& topic) {
+  return topic.type == ros::Image::kType || topic.type == ros::CompressedImage::kType ||
+         topic.type == ros::CameraInfo::kType;
+}
+
+std::vector<std::string> topics_not_read(const Inspection& inspection, bool of_cameras) {
   std::vector<std::string> names;
   for (const Topic& topic : inspection.topics) {
-    if (topic.kind == TopicKind::other && topic.messages.value_or(1) > 0) {
+    if (topic.kind == TopicKind::other && topic.messages.value_or(1) > 0 &&
+        is_of_camera(topic) == of_cameras) {
       names.push_back(topic.name);
     }
   }
@@ -90,7 +99,12 @@ std::vector<std::string> unchecked(const Inspection& inspection) {
       parts.push_back("mounting of " + check.pair.imu.name + " (" + reason + ")");
     }
   }
-  const std::vector<std::string> others = topics_not_read(inspection);
+  const std::vector<std::string> images = topics_not_read(inspection, true);
+  if (!images.empty()) {
+    parts.push_back("images and calibrations on " + named(images) +
+                    " (adit export --colorize reads them)");
+  }
+  const std::vector<std::string> others = topics_not_read(inspection, false);
   if (!others.empty()) {
     parts.push_back("messages on " + named(others) + " (types that are not read)");
   }
