@@ -12,7 +12,7 @@ glass show what no camera sees; neither is compared. The error of a return is th
 channels, of 0 to 255. A scene's brightness is unknown but for a factor: before errors are taken, each channel is divided
 by its gain, the median ratio of the colours to their truth. Errors above 30 are called visible.
 
-Bleeding is told at depth edges. Consecutive beams of one ring in one turn, at most one and a half of the usual time
+Bleeding is measured at depth edges. Consecutive beams of one ring in one turn, at most one and a half of the usual time
 apart, have an edge between them if neither surface goes on behind it: along a plane, 1/range is linear in the beams. If
 this line through the last two beams before the edge misses the range after it by more than 0.3 m, and the line through
 the two after it misses the range before it by as much, it is an edge. A return is at the edge if its beam passes the
@@ -37,7 +37,7 @@ except ImportError as error:
     sys.exit(2)
 
 SCENES = {"office": "walk", "city": "drive"}
-# Setup: cameras, and what is wrong with them.
+# Setup: cameras, and their fault.
 SETUPS = {
     "front": (("front",), None),
     "three": (("front", "left", "right"), None),

@@ -274,7 +274,7 @@ TEST(ImageFolder, MistakesAreNamed) {
   folder.write("empty/readme.txt", "");
   EXPECT_NE(error_of_folder("empty").find("a folder without images"), std::string::npos);
   folder.write("untimed/000001.jpg", jpeg);
-  EXPECT_NE(error_of_folder("untimed").find("000001.jpg: the name of the image is no time"),
+  EXPECT_NE(error_of_folder("untimed").find("000001.jpg: the name of the image is not a time"),
             std::string::npos);
   folder.write("untimed/times.txt", "1\n2\n");
   EXPECT_NE(error_of_folder("untimed").find("it holds 2 times for 1 images"), std::string::npos);

@@ -137,9 +137,7 @@ TEST(MessageImageAccess, AnImageCostsNoPassOverTheFile) {
       }
       return bytes_read() - before;
     };
-    if (bytes_read() == 0) {
-      GTEST_SKIP() << "the system does not count what a process reads";
-    }
+    ASSERT_GT(bytes_read(), 0U) << "/proc/self/io counts what a process reads";
     constexpr uint64_t kFile = uint64_t{kMany} * 30000;
     std::vector<unsigned> all(kMany);
     std::iota(all.begin(), all.end(), 0);

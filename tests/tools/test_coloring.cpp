@@ -274,7 +274,7 @@ TEST_F(Colorized, PointsHaveTheColorsOfTheirSurfaces) {
   map("front", {});
   const test::Ran done = colorized("a.ply");
   ASSERT_EQ(done.code, 0) << done.err;
-  EXPECT_NE(done.out.find("camera /camera_front/image_raw: too little"), std::string::npos);
+  EXPECT_NE(done.out.find("camera /camera_front/image_raw: its views share too few surfaces"), std::string::npos);
   const Errors errors = errors_of("a.ply");
   EXPECT_GT(errors.colored, 0.2);
   EXPECT_LT(errors.median, 6.0);

@@ -20,12 +20,12 @@ namespace adit {
 /// A camera as a file lists it.
 struct ListedCamera {
   std::string name;                                   ///< for people
-  std::string topic{};                                ///< of its images; empty: not told
+  std::string topic{};                                ///< of its images; empty: unknown
   std::filesystem::path folder{};                     ///< of its images; empty: on a topic
   std::optional<CameraModel> model{};                 ///< none: the recording's
-  std::optional<Eigen::Isometry3d> T_lidar_camera{};  ///< of its optical frame, where told
+  std::optional<Eigen::Isometry3d> T_lidar_camera{};  ///< of its optical frame; none: unknown
   std::optional<Eigen::Isometry3d> T_imu_camera{};    ///< likewise
-  std::string frame{};                                ///< of the transforms, where told
+  std::string frame{};                                ///< of the transforms; empty: unknown
   double time_offset = 0.0;  ///< s that images were taken after their stamps
 };
 

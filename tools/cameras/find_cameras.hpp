@@ -27,7 +27,7 @@ struct CameraChoice {
 ///
 /// With a file (see read_camera_file()): the cameras that it lists, with images on the topics or in
 /// the folders that it names, or on the topic that is named here. Where it has no calibration of
-/// the lens, that is the recording's; where it tells no pose, `frame` is that of the images'
+/// the lens, that is the recording's; without a pose, `frame` is that of the images'
 /// headers.
 ///
 /// Throws InputError: no camera is found, a topic that is named has no images or no calibration, or

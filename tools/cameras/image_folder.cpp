@@ -76,7 +76,7 @@ std::vector<Nanoseconds> times_of(const fs::path& folder, const std::vector<fs::
     const std::optional<Nanoseconds> stamp = time_from_name(file.stem().string());
     if (!stamp) {
       throw InputError(file, {},
-                       "the name of the image is no time, and there is no timestamps.txt beside it",
+                       "the name of the image is not a time, and the folder has no timestamps.txt",
                        "Name images after their time (1700000000.123456.jpg, or nanoseconds: "
                        "1700000000123456000.jpg), or write one time a line to timestamps.txt");
     }

@@ -63,7 +63,7 @@ struct Painter {
 std::string text_of(const CameraFinding& finding) {
   if (!finding.determined) {
     return fmt::format(
-        "camera {}: too little of what its views show tells whether its mounting is right\n",
+        "camera {}: its views share too few surfaces to check its mounting\n",
         finding.camera);
   }
   return fmt::format(
