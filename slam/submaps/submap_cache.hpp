@@ -3,11 +3,10 @@
 #pragma once
 
 #include <cstdint>
-#include <list>
-#include <map>
 #include <memory>
 #include <utility>
 
+#include "adit/slam/core/recently_used.hpp"
 #include "adit/slam/submaps/keyframe_submap.hpp"
 #include "adit/slam/submaps/map_submap.hpp"
 
@@ -24,27 +23,18 @@ uint64_t memory_of(const KeyframeSubmap& submap);
 class SubmapCache {
  public:
   /// The one that was asked for last stays even if it is larger than `most_bytes`.
-  SubmapCache(SubmapLoader load, uint64_t most_bytes)
-      : load_(std::move(load)), most_bytes_(most_bytes) {}
+  SubmapCache(SubmapLoader load, uint64_t most_bytes) : load_(std::move(load)), kept_(most_bytes) {}
 
   /// Throws what the loader does, and SubmapDamaged.
   std::shared_ptr<const KeyframeSubmap> get(NodeId keyframe);
 
-  uint64_t bytes() const { return bytes_; }
+  uint64_t bytes() const { return kept_.bytes(); }
   uint64_t reads() const { return reads_; }  ///< by the loader
 
  private:
-  struct Kept {
-    NodeId keyframe = 0;
-    std::shared_ptr<const KeyframeSubmap> submap;
-  };
-
   SubmapLoader load_;
-  uint64_t most_bytes_;
-  uint64_t bytes_ = 0;
   uint64_t reads_ = 0;
-  std::list<Kept> kept_;  ///< the one that was needed last in front
-  std::map<NodeId, std::list<Kept>::iterator> places_;
+  RecentlyUsed<NodeId, std::shared_ptr<const KeyframeSubmap>> kept_;
 };
 
 }  // namespace adit

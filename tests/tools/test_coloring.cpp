@@ -31,38 +31,48 @@ namespace {
 using std::chrono::milliseconds;
 
 TEST(ViewPairs, AreHalfOfTheViewsApart) {
-  EXPECT_TRUE(far_pairs(0).empty());
-  EXPECT_TRUE(far_pairs(1).empty());
-  EXPECT_EQ(far_pairs(2), (std::vector<std::pair<std::size_t, std::size_t>>{{0, 1}}));
-  EXPECT_EQ(far_pairs(5),
-            (std::vector<std::pair<std::size_t, std::size_t>>{{0, 2}, {1, 3}, {2, 4}}));
+  // A surface with five views, one with one, and one with two.
+  std::vector<Sighted> sighted;
+  for (const auto& [surface, view] :
+       {std::pair(7, 3), {4, 9}, {7, 1}, {2, 0}, {2, 5}, {2, 6}, {2, 7}, {2, 8}}) {
+    sighted.push_back(
+        {.surface = static_cast<uint64_t>(surface), .view = static_cast<std::size_t>(view)});
+  }
+  sort_by_surface(sighted);
+  std::vector<std::pair<std::size_t, std::size_t>> views;
+  for (const SightedPair& pair : far_pairs(sighted)) {
+    EXPECT_EQ(sighted[pair.a].surface, sighted[pair.b].surface);
+    views.emplace_back(sighted[pair.a].view, sighted[pair.b].view);
+  }
+  EXPECT_EQ(views,
+            (std::vector<std::pair<std::size_t, std::size_t>>{{0, 6}, {5, 7}, {6, 8}, {1, 3}}));
+  EXPECT_TRUE(far_pairs({}).empty());
 }
 
 /// Surfaces along a path, each seen by six views, of which every third sees something else before
 /// it. `gain` is what a view multiplies each channel by.
-std::map<uint64_t, SurfaceColors> seen_with(std::size_t views,
-                                            const std::function<double(std::size_t)>& gain) {
+std::vector<ViewRatio> seen_with(std::size_t views,
+                                 const std::function<double(std::size_t)>& gain) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> any(30.0, 120.0);
-  std::map<uint64_t, SurfaceColors> surfaces;
+  std::vector<Sighted> sighted;
   for (uint64_t key = 0; key < 40 * views; ++key) {
     const Eigen::Vector3d color(any(random), any(random), any(random));
     for (std::size_t view = key / 40; view < std::min<std::size_t>(views, key / 40 + 6); ++view) {
       const bool other = random() % 3 == 0;
       const Eigen::Vector3d shown = other ? Eigen::Vector3d(any(random), 40.0, 90.0) : color;
-      surfaces[key].views.push_back(
-          {.view = view, .color = (gain(view) * shown).array().log().matrix()});
+      sighted.push_back(
+          {.surface = key, .view = view, .color = (gain(view) * shown).array().log().matrix()});
     }
   }
-  return surfaces;
+  return ratios_of(sighted, far_pairs(sighted));
 }
 
 TEST(ViewPairs, GainsMakeViewsAgreeAlthoughAThirdIsHidden) {
   const auto gain = [](std::size_t view) {
     return std::exp(0.5 * std::sin(0.3 * static_cast<double>(view)));
   };
-  const std::vector<std::array<float, 3>> gains =
-      balanced_gains(40, ratios_of(seen_with(40, gain)));
+  const std::vector<std::array<float, 3>> gains = balanced_gains(40, seen_with(40, gain));
   for (std::size_t i = 0; i + 1 < gains.size(); ++i) {
     for (const float channel : gains[i]) {
       EXPECT_NEAR(static_cast<double>(channel) * gain(i) /
@@ -74,7 +84,7 @@ TEST(ViewPairs, GainsMakeViewsAgreeAlthoughAThirdIsHidden) {
 }
 
 TEST(ViewPairs, ViewsThatAgreeAndViewsThatShareNothingKeepTheirColors) {
-  for (const auto& one : balanced_gains(10, ratios_of(seen_with(10, [](auto) { return 1.0; })))) {
+  for (const auto& one : balanced_gains(10, seen_with(10, [](auto) { return 1.0; }))) {
     EXPECT_NEAR(one[0], 1.0F, 0.03F);
   }
   EXPECT_EQ(balanced_gains(2, {})[1], (std::array{1.0F, 1.0F, 1.0F}));
@@ -111,7 +121,7 @@ class TurningViews {
         all.push_back({.surface = i * 0x9e3779b97f4a7c15U, .view = view, .color = color(beside)});
       }
     }
-    std::ranges::sort(all, {}, [](const Sighted& one) { return std::pair(one.surface, one.view); });
+    sort_by_surface(all);
     return all;
   }
 
@@ -274,7 +284,8 @@ TEST_F(Colorized, PointsHaveTheColorsOfTheirSurfaces) {
   map("front", {});
   const test::Ran done = colorized("a.ply");
   ASSERT_EQ(done.code, 0) << done.err;
-  EXPECT_NE(done.out.find("camera /camera_front/image_raw: its views share too few surfaces"), std::string::npos);
+  EXPECT_NE(done.out.find("camera /camera_front/image_raw: its views share too few surfaces"),
+            std::string::npos);
   const Errors errors = errors_of("a.ply");
   EXPECT_GT(errors.colored, 0.2);
   EXPECT_LT(errors.median, 6.0);

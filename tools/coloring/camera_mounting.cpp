@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -20,55 +22,33 @@ constexpr std::array<int, 3> kBlurs = {8, 4, 1};  // pixels
 constexpr int kMostRounds = 10;                   // of a blur
 constexpr double kConverged = 0.1;                // of a step of the derivatives
 
-/// Pairs of a surface's sightings.
-struct Pair {
-  std::size_t a = 0;  ///< indices of the sightings
-  std::size_t b = 0;
-  bool tests = false;
-};
+using Views = std::pair<std::size_t, std::size_t>;
 
-std::vector<Pair> pairs_of(const std::vector<Sighted>& sighted) {
-  std::vector<Pair> pairs;
-  for (std::size_t begin = 0; begin < sighted.size();) {
-    std::size_t end = begin + 1;
-    while (end < sighted.size() && sighted[end].surface == sighted[begin].surface) {
-      ++end;
-    }
-    for (const auto& [i, j] : far_pairs(end - begin)) {
-      const bool tests = ((sighted[begin].surface >> 40U) & 1U) == 1;  // a bit of a hash
-      pairs.push_back({.a = begin + i, .b = begin + j, .tests = tests});
-    }
-    begin = end;
-  }
-  return pairs;
+Views views_of(const std::vector<Sighted>& sighted, const SightedPair& pair) {
+  return {sighted[pair.a].view, sighted[pair.b].view};
 }
 
-/// Of the differences within each pair of views, less the median of that pair: what is left when
-/// exposures are balanced.
-class Balance {
- public:
-  Balance(const std::vector<Sighted>& sighted, const std::vector<Pair>& pairs) {
-    std::map<std::pair<std::size_t, std::size_t>, std::array<std::vector<double>, 3>> all;
-    for (const Pair& pair : pairs) {
-      const LogColor difference = sighted[pair.b].color - sighted[pair.a].color;
-      for (std::size_t k = 0; k < 3; ++k) {
-        all[{sighted[pair.a].view, sighted[pair.b].view}][k].push_back(
-            difference[static_cast<Eigen::Index>(k)]);
-      }
-    }
-    for (auto& [views, values] : all) {
-      medians_[views] = {median(values[0]), median(values[1]), median(values[2])};
-    }
-  }
-  LogColor residual(const std::vector<Sighted>& sighted, const Pair& pair) const {
-    const auto found = medians_.find({sighted[pair.a].view, sighted[pair.b].view});
-    const LogColor difference = sighted[pair.b].color - sighted[pair.a].color;
-    return found == medians_.end() ? difference : LogColor(difference - found->second);
-  }
+/// One half of the surfaces, by a bit of their keys, which are hashes.
+bool tests(const Sighted& sighted) {
+  return ((sighted.surface >> 40U) & 1U) == 1;
+}
 
- private:
-  std::map<std::pair<std::size_t, std::size_t>, LogColor> medians_;
-};
+/// The differences within pairs, less the median of all pairs of the same views: what remains when
+/// exposures are balanced.
+std::vector<LogColor> residuals_of(const std::vector<Sighted>& sighted,
+                                   const std::vector<SightedPair>& pairs) {
+  std::map<Views, LogColor> medians;
+  for (const ViewRatio& ratio : ratios_of(sighted, pairs)) {
+    medians[{ratio.a, ratio.b}] = ratio.median;
+  }
+  std::vector<LogColor> residuals;
+  residuals.reserve(pairs.size());
+  for (const SightedPair& pair : pairs) {
+    residuals.emplace_back(sighted[pair.b].color - sighted[pair.a].color -
+                           medians.at(views_of(sighted, pair)));
+  }
+  return residuals;
+}
 
 /// The sighting of the same surface in the same view, where there is one.
 std::optional<LogColor> color_in(const std::vector<Sighted>& all, const Sighted& one) {
@@ -79,7 +59,7 @@ std::optional<LogColor> color_in(const std::vector<Sighted>& all, const Sighted&
 
 /// How a pair's difference changes with each part of the error; none where a step hides it.
 std::optional<Eigen::Matrix<double, 3, 4>> slope(
-    const std::vector<Sighted>& sighted, const Pair& pair,
+    const std::vector<Sighted>& sighted, const SightedPair& pair,
     const std::array<std::array<std::vector<Sighted>, 2>, 4>& stepped, const CameraError& step) {
   Eigen::Matrix<double, 3, 4> jacobian;
   for (std::size_t k = 0; k < 4; ++k) {
@@ -144,30 +124,42 @@ std::optional<CameraError> improved_step(const SightSurfaces& sight, const Camer
       stepped[k][side] = sight(moved, hidden_by, blur);
     }
   }
-  std::vector<Pair> pairs = pairs_of(sighted);
-  std::erase_if(pairs, [](const Pair& pair) { return pair.tests; });
+  std::vector<SightedPair> pairs = far_pairs(sighted);
+  std::erase_if(pairs, [&](const SightedPair& pair) { return tests(sighted[pair.a]); });
   if (pairs.empty()) {
     return std::nullopt;
   }
-  const Balance balance(sighted, pairs);
+  const std::vector<LogColor> residuals = residuals_of(sighted, pairs);
   std::vector<double> sizes;
-  for (const Pair& pair : pairs) {
-    sizes.push_back(balance.residual(sighted, pair).norm());
-  }
+  std::ranges::transform(residuals, std::back_inserter(sizes),
+                         [](const LogColor& residual) { return residual.norm(); });
   constexpr double kSigmaOfMedian = 1.0 / 1.5382;  // of the length of a normal vector of three
   const double sigma = std::max(1e-3, kSigmaOfMedian * median(sizes));
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
   std::map<std::size_t, Eigen::Vector4d> gradients;  // by the first view of the pairs
-  for (const Pair& pair : pairs) {
-    if (const auto jacobian = slope(sighted, pair, stepped, blur * step)) {
-      const LogColor residual = balance.residual(sighted, pair);
-      const double weight = 1.0 / (sigma * sigma + residual.squaredNorm() / 3.0);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (const auto jacobian = slope(sighted, pairs[i], stepped, blur * step)) {
+      const double weight = 1.0 / (sigma * sigma + residuals[i].squaredNorm() / 3.0);
       normal += weight * jacobian->transpose() * *jacobian;
-      gradients.try_emplace(sighted[pair.a].view, Eigen::Vector4d::Zero()).first->second -=
-          weight * jacobian->transpose() * residual;
+      gradients.try_emplace(sighted[pairs[i].a].view, Eigen::Vector4d::Zero()).first->second -=
+          weight * jacobian->transpose() * residuals[i];
     }
   }
   return weighed_step(normal, gradients, error);
+}
+
+/// How far off the pairs of surfaces that test are.
+std::map<std::pair<uint64_t, Views>, double> sizes_of_tests(const std::vector<Sighted>& sighted) {
+  const std::vector<SightedPair> pairs = far_pairs(sighted);
+  const std::vector<LogColor> residuals = residuals_of(sighted, pairs);
+  std::map<std::pair<uint64_t, Views>, double> sizes;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Sighted& first = sighted[pairs[i].a];
+    if (tests(first)) {
+      sizes[{first.surface, views_of(sighted, pairs[i])}] = residuals[i].norm();
+    }
+  }
+  return sizes;
 }
 
 }  // namespace
@@ -199,28 +191,12 @@ CameraErrorEstimate estimate_camera_error(const SightSurfaces& sight, const Came
   }
   estimate.determined = true;
   const int sharpest = kBlurs.back();
-  const std::vector<Sighted> before = sight(CameraError::Zero(), CameraError::Zero(), sharpest);
-  const std::vector<Sighted> after = sight(estimate.error, estimate.error, sharpest);
-  const std::vector<Pair> pairs_before = pairs_of(before);
-  const std::vector<Pair> pairs_after = pairs_of(after);
-  const Balance balance_before(before, pairs_before);
-  const Balance balance_after(after, pairs_after);
-  // Of each surface the pairs of views that see it both ways.
-  using Looks = std::pair<uint64_t, std::pair<std::size_t, std::size_t>>;
-  const auto looks_of = [](const std::vector<Sighted>& sighted, const Pair& pair) {
-    return Looks(sighted[pair.a].surface, {sighted[pair.a].view, sighted[pair.b].view});
-  };
-  std::map<Looks, double> sizes;
-  for (const Pair& pair : pairs_before) {
-    if (pair.tests) {
-      sizes[looks_of(before, pair)] = balance_before.residual(before, pair).norm();
-    }
-  }
+  const auto before = sizes_of_tests(sight(CameraError::Zero(), CameraError::Zero(), sharpest));
   std::map<uint64_t, double> gains;  // by surface: how much smaller its differences become
-  for (const Pair& pair : pairs_after) {
-    const auto found = sizes.find(looks_of(after, pair));
-    if (pair.tests && found != sizes.end()) {
-      gains[after[pair.a].surface] += found->second - balance_after.residual(after, pair).norm();
+  for (const auto& [looks, size] :
+       sizes_of_tests(sight(estimate.error, estimate.error, sharpest))) {
+    if (const auto found = before.find(looks); found != before.end()) {
+      gains[looks.first] += found->second - size;
     }
   }
   for (const auto& [surface, gain] : gains) {

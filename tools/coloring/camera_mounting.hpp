@@ -25,13 +25,7 @@ using CameraError = Eigen::Vector4d;
 /// triggers keep, a degree and 20 ms.
 CameraError camera_error_prior();
 
-/// What views show of surfaces, if the camera's error were `error`. Sorted by surface, then by
-/// view.
-struct Sighted {
-  uint64_t surface = 0;
-  std::size_t view = 0;
-  LogColor color = LogColor::Zero();
-};
+/// What views show of surfaces, sorted by surface, if the camera's error were `error`.
 /// `hidden_by`: the error that what hides surfaces is drawn with. `blur`: of the images, pixels.
 using SightSurfaces = std::function<std::vector<Sighted>(const CameraError& error,
                                                          const CameraError& hidden_by, int blur)>;

@@ -16,9 +16,9 @@ namespace adit {
 namespace {
 
 constexpr uint64_t kMostViewBytes = uint64_t{512} << 20U;  // of views that stay
+constexpr double kFarthest = 100.0;                        // m: as far as most lidars reach
 // Of a sweep, points by which views are chosen; and views that each of them may need: as many as a
 // colour is made of, and as many again, since some are hidden.
-constexpr double kFarthest = 100.0;  // m: as far as most lidars reach
 constexpr std::size_t kSamples = 128;
 constexpr std::size_t kViewsASample = 2 * gpu::kMostSightings;
 
@@ -101,7 +101,8 @@ MapColoring::MapColoring(const MapDatabase& map, engine::Context& context,
       cameras_(std::move(cameras)),
       path_(path),
       views_(choose_views(cameras_, path_)),
-      gains_(views_.size(), {1.0F, 1.0F, 1.0F}) {
+      gains_(views_.size(), {1.0F, 1.0F, 1.0F}),
+      kept_(kMostViewBytes) {
   for (const CameraSource& camera : cameras_) {
     projections_.emplace_back(camera.model);
     lenses_.push_back(coloring_.make_camera(camera.model));
@@ -287,7 +288,7 @@ void MapColoring::balance(const std::function<void(std::size_t, std::size_t)>& p
   // Of many views fewer samples each: memory holds so many colours.
   constexpr std::size_t kViewsWithAll = 256;
   const uint64_t one_in = 1 + views_.size() / kViewsWithAll;
-  std::map<uint64_t, SurfaceColors> surfaces;
+  std::vector<Sighted> sighted;
   for (std::size_t i = 0; i < views_.size(); ++i) {
     if (const View one = view(i)) {
       std::vector<SurfaceSample> samples = samples_of(views_[i]);
@@ -300,13 +301,14 @@ void MapColoring::balance(const std::function<void(std::size_t, std::size_t)>& p
           places, views_[i].T_map_camera.translation(), {&look, 1}, surfaces_.spacing());
       for (std::size_t k = 0; k < seen.size(); ++k) {
         if (is_exposed(seen[k])) {
-          surfaces[samples[k].key].views.push_back({.view = i, .color = log_color(seen[k])});
+          sighted.push_back({.surface = samples[k].key, .view = i, .color = log_color(seen[k])});
         }
       }
     }
     progress(i + 1, views_.size());
   }
-  gains_ = balanced_gains(views_.size(), ratios_of(surfaces));
+  sort_by_surface(sighted);
+  gains_ = balanced_gains(views_.size(), ratios_of(sighted, far_pairs(sighted)));
 }
 
 std::vector<CameraFinding> MapColoring::prepare(
@@ -328,20 +330,19 @@ std::vector<CameraFinding> MapColoring::prepare(
 }
 
 MapColoring::View MapColoring::view(std::size_t number) {
-  if (const auto place = places_.find(number); place != places_.end()) {
-    kept_.splice(kept_.begin(), kept_, place->second);
-    return kept_.front().view;
+  if (const View* known = kept_.find(number)) {
+    return *known;
   }
-  kept_.push_front({.number = number, .view = make(number)});
-  places_[number] = kept_.begin();
-  const auto bytes = [](const Kept& kept) { return kept.view ? kept.view->bytes() : 0; };
-  kept_bytes_ += bytes(kept_.front());
-  while (kept_bytes_ > kMostViewBytes && kept_.size() > 1) {
-    kept_bytes_ -= bytes(kept_.back());
-    places_.erase(kept_.back().number);
-    kept_.pop_back();
-  }
-  return kept_.front().view;
+  const View made = make(number);
+  return kept_.add(number, made, made ? made->bytes() : 0);
+}
+
+ColoringCounts MapColoring::counts() const {
+  ColoringCounts counts = counts_;
+  counts.views = used_.size();
+  counts.damaged = damaged_.size();
+  counts.other_size = other_size_.size();
+  return counts;
 }
 
 void MapColoring::color(std::span<CloudPoint> points, std::span<const Eigen::Vector3d> places,
@@ -363,9 +364,6 @@ void MapColoring::color(std::span<CloudPoint> points, std::span<const Eigen::Vec
     }
   }
   counts_.points += points.size();
-  counts_.views = used_.size();
-  counts_.damaged = damaged_.size();
-  counts_.other_size = other_size_.size();
 }
 
 }  // namespace adit

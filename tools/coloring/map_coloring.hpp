@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -20,6 +19,7 @@
 #include <vector>
 
 #include "adit/slam/coloring/view_coloring.hpp"
+#include "adit/slam/core/recently_used.hpp"
 #include "adit/tools/cameras/camera_source.hpp"
 #include "adit/tools/coloring/camera_mounting.hpp"
 #include "adit/tools/coloring/map_views.hpp"
@@ -67,14 +67,10 @@ class MapColoring {
   void color(std::span<CloudPoint> points, std::span<const Eigen::Vector3d> places,
              const Eigen::Vector3d& sensor);
 
-  ColoringCounts counts() const { return counts_; }
+  ColoringCounts counts() const;
 
  private:
   using View = std::shared_ptr<const ViewColoring::View>;
-  struct Kept {
-    std::size_t number = 0;
-    View view;  ///< null: its image cannot be read
-  };
 
   /// Numbers of the views that see some of the points best.
   std::vector<std::size_t> views_of(std::span<const Eigen::Vector3d> places,
@@ -99,9 +95,7 @@ class MapColoring {
   SensorPath path_;
   std::vector<MapView> views_;
   std::vector<std::array<float, 3>> gains_;  ///< by view
-  std::list<Kept> kept_;                     ///< the one that was needed last in front
-  std::map<std::size_t, std::list<Kept>::iterator> places_;
-  uint64_t kept_bytes_ = 0;
+  RecentlyUsed<std::size_t, View> kept_;     ///< by number; null: its image cannot be read
   std::set<std::size_t> used_;
   std::set<std::pair<std::size_t, std::size_t>> damaged_;     ///< camera and image
   std::set<std::pair<std::size_t, std::size_t>> other_size_;  ///< likewise

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include <Eigen/SparseCholesky>
 
@@ -65,34 +67,45 @@ LogColor log_color(const SeenColor& seen) {
           std::log(static_cast<double>(seen.color[2]))};
 }
 
-std::vector<std::pair<std::size_t, std::size_t>> far_pairs(std::size_t views) {
-  std::vector<std::pair<std::size_t, std::size_t>> pairs;
-  const std::size_t apart = std::max<std::size_t>(1, views / 2);
-  for (std::size_t i = 0; i + apart < views; ++i) {
-    pairs.emplace_back(i, i + apart);
+void sort_by_surface(std::vector<Sighted>& sighted) {
+  std::ranges::sort(sighted, {},
+                    [](const Sighted& one) { return std::pair(one.surface, one.view); });
+}
+
+std::vector<SightedPair> far_pairs(const std::vector<Sighted>& sighted) {
+  std::vector<SightedPair> pairs;
+  for (std::size_t begin = 0; begin < sighted.size();) {
+    std::size_t end = begin + 1;
+    while (end < sighted.size() && sighted[end].surface == sighted[begin].surface) {
+      ++end;
+    }
+    const std::size_t apart = std::max<std::size_t>(1, (end - begin) / 2);
+    for (std::size_t i = begin; i + apart < end; ++i) {
+      pairs.push_back({.a = i, .b = i + apart});
+    }
+    begin = end;
   }
   return pairs;
 }
 
-std::vector<ViewRatio> ratios_of(const std::map<uint64_t, SurfaceColors>& surfaces) {
+std::vector<ViewRatio> ratios_of(const std::vector<Sighted>& sighted,
+                                 const std::vector<SightedPair>& pairs) {
   std::map<std::pair<std::size_t, std::size_t>, std::array<std::vector<double>, 3>> logs;
-  for (const auto& [key, surface] : surfaces) {
-    for (const auto& [i, j] : far_pairs(surface.views.size())) {
-      const SurfaceColors::One& a = surface.views[i];
-      const SurfaceColors::One& b = surface.views[j];
-      auto& of_pair = logs[{a.view, b.view}];
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto channel = static_cast<Eigen::Index>(k);
-        of_pair[k].push_back(b.color[channel] - a.color[channel]);
-      }
+  for (const SightedPair& pair : pairs) {
+    const Sighted& a = sighted[pair.a];
+    const Sighted& b = sighted[pair.b];
+    auto& of_views = logs[{a.view, b.view}];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto channel = static_cast<Eigen::Index>(k);
+      of_views[k].push_back(b.color[channel] - a.color[channel]);
     }
   }
   std::vector<ViewRatio> ratios;
-  for (auto& [pair, of_pair] : logs) {
-    ratios.push_back({.a = pair.first,
-                      .b = pair.second,
-                      .median = {median(of_pair[0]), median(of_pair[1]), median(of_pair[2])},
-                      .surfaces = of_pair[0].size()});
+  for (const auto& [views, of_views] : logs) {
+    ratios.push_back({.a = views.first,
+                      .b = views.second,
+                      .median = {median(of_views[0]), median(of_views[1]), median(of_views[2])},
+                      .surfaces = of_views[0].size()});
   }
   return ratios;
 }

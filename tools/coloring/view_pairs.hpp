@@ -7,9 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,14 +23,14 @@ using LogColor = Eigen::Vector3d;
 bool is_exposed(const SeenColor& seen);
 LogColor log_color(const SeenColor& seen);
 
-/// The colours of a surface in the views that see it, views ascending.
-struct SurfaceColors {
-  struct One {
-    std::size_t view = 0;
-    LogColor color = LogColor::Zero();
-  };
-  std::vector<One> views{};
+/// What a view shows of a surface.
+struct Sighted {
+  uint64_t surface = 0;  ///< its key
+  std::size_t view = 0;
+  LogColor color = LogColor::Zero();
 };
+/// By surface, then by view.
+void sort_by_surface(std::vector<Sighted>& sighted);
 
 /// Views `a` and `b` see a surface: how much brighter `b` shows it, logarithms.
 struct ViewRatio {
@@ -42,12 +40,18 @@ struct ViewRatio {
   std::size_t surfaces = 0;
 };
 
+/// Two sightings of a surface, by their indices.
+struct SightedPair {
+  std::size_t a = 0;
+  std::size_t b = 0;
+};
 /// Of each surface, each view with the one half of its views later: far apart, so that a chain of
-/// small errors does not add up.
-std::vector<std::pair<std::size_t, std::size_t>> far_pairs(std::size_t views);
+/// small errors does not add up. `sighted`: sorted by surface.
+std::vector<SightedPair> far_pairs(const std::vector<Sighted>& sighted);
 
 /// By pairs of views, in their order.
-std::vector<ViewRatio> ratios_of(const std::map<uint64_t, SurfaceColors>& surfaces);
+std::vector<ViewRatio> ratios_of(const std::vector<Sighted>& sighted,
+                                 const std::vector<SightedPair>& pairs);
 
 /// What each view's red, green and blue are to be multiplied by, so that views agree: least squares
 /// over all pairs' medians, with a prior of no gain at all, a factor of two wide. Views that share

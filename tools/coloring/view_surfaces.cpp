@@ -32,7 +32,8 @@ ViewSurfaces::ViewSurfaces(const MapDatabase& map, const ViewColoring& coloring,
     : map_(&map),
       moved_(std::move(moved)),
       coloring_(&coloring),
-      submaps_(submap_loader(map), submap_bytes) {
+      submaps_(submap_loader(map), submap_bytes),
+      kept_(kMostSurfaceBytes) {
   grid_.cell = spacing_of(map, submaps_);
   grid_.across = static_cast<int64_t>(std::ceil(kTile / grid_.cell));
   keyframes_ = keyframes_by_tile(map, {}, {}, grid_);
@@ -44,7 +45,7 @@ std::vector<std::shared_ptr<const ViewColoring::Surfaces>> ViewSurfaces::near(
   const Eigen::Vector2d around(reach, reach);
   visit_tiles(grid_, {place.head<2>() - around, place.head<2>() + around},
               [&](const TileNumber& number) {
-                if (const Kept* one = tile(number); one != nullptr && one->surfaces) {
+                if (const Tile* one = tile(number); one != nullptr && one->surfaces) {
                   all.push_back(one->surfaces);
                 }
               });
@@ -56,41 +57,31 @@ std::vector<SurfaceSample> ViewSurfaces::samples_near(const Eigen::Vector3d& pla
   const Eigen::Vector2d around(reach, reach);
   visit_tiles(grid_, {place.head<2>() - around, place.head<2>() + around},
               [&](const TileNumber& number) {
-                if (const Kept* one = tile(number)) {
+                if (const Tile* one = tile(number)) {
                   all.insert(all.end(), one->samples.begin(), one->samples.end());
                 }
               });
   return all;
 }
 
-const ViewSurfaces::Kept* ViewSurfaces::tile(const TileNumber& number) {
+const ViewSurfaces::Tile* ViewSurfaces::tile(const TileNumber& number) {
   if (!keyframes_.contains(number)) {
     return nullptr;
   }
-  if (const auto place = places_.find(number); place != places_.end()) {
-    kept_.splice(kept_.begin(), kept_, place->second);
-    return &kept_.front();
+  if (const Tile* known = kept_.find(number)) {
+    return known;
   }
-  kept_.push_front(make(number));
-  places_[number] = kept_.begin();
-  const auto bytes = [](const Kept& kept) {
-    return kept.surfaces ? kept.surfaces->elements.size() : 0;
-  };
-  kept_bytes_ += bytes(kept_.front());
-  while (kept_bytes_ > kMostSurfaceBytes && kept_.size() > 1) {
-    kept_bytes_ -= bytes(kept_.back());
-    places_.erase(kept_.back().number);
-    kept_.pop_back();
-  }
-  return &kept_.front();
+  Tile made = make(number);
+  const uint64_t bytes = made.surfaces ? made.surfaces->elements.size() : 0;
+  return &kept_.add(number, std::move(made), bytes);
 }
 
-ViewSurfaces::Kept ViewSurfaces::make(const TileNumber& number) {
+ViewSurfaces::Tile ViewSurfaces::make(const TileNumber& number) {
   const double across = grid_.cell * static_cast<double>(grid_.across);
   const Eigen::Vector3d origin((static_cast<double>(number.x) + 0.5) * across,
                                (static_cast<double>(number.y) + 0.5) * across, 0.0);
   std::vector<gpu::ViewSurface> elements;
-  Kept made{.number = number, .surfaces = nullptr};
+  Tile made{.surfaces = nullptr};
   std::unordered_set<uint64_t> taken;
   for (const MapKeyframe& keyframe : keyframes_.at(number)) {
     const auto submap = load_submap(submaps_, keyframe.id, map_->file());

@@ -3,12 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <list>
 #include <map>
 #include <memory>
 #include <vector>
 
 #include "adit/slam/coloring/view_coloring.hpp"
+#include "adit/slam/core/recently_used.hpp"
 #include "adit/slam/submaps/moved_space.hpp"
 #include "adit/slam/submaps/submap_cache.hpp"
 #include "adit/tools/map_database/map_database.hpp"
@@ -43,14 +43,13 @@ class ViewSurfaces {
   std::vector<SurfaceSample> samples_near(const Eigen::Vector3d& place, double reach);
 
  private:
-  struct Kept {
-    TileNumber number;
+  struct Tile {
     std::shared_ptr<const ViewColoring::Surfaces> surfaces;  ///< null: nothing is in the tile
     std::vector<SurfaceSample> samples{};
   };
   /// Null: no keyframe sees into the tile.
-  const Kept* tile(const TileNumber& number);
-  Kept make(const TileNumber& number);
+  const Tile* tile(const TileNumber& number);
+  Tile make(const TileNumber& number);
 
   const MapDatabase* map_;
   std::shared_ptr<const MovedSpace> moved_;
@@ -58,9 +57,7 @@ class ViewSurfaces {
   SubmapCache submaps_;
   TileGrid grid_;
   std::map<TileNumber, std::vector<MapKeyframe>> keyframes_;
-  std::list<Kept> kept_;  ///< the one that was needed last in front
-  std::map<TileNumber, std::list<Kept>::iterator> places_;
-  uint64_t kept_bytes_ = 0;
+  RecentlyUsed<TileNumber, Tile> kept_;
 };
 
 }  // namespace adit
