@@ -62,9 +62,8 @@ struct Painter {
 /// "camera /front/image_raw: turned by 0.97 degrees, images 2 ms late: corrected".
 std::string text_of(const CameraFinding& finding) {
   if (!finding.determined) {
-    return fmt::format(
-        "camera {}: its views share too few surfaces to check its mounting\n",
-        finding.camera);
+    return fmt::format("camera {}: its views share too few surfaces to check its mounting\n",
+                       finding.camera);
   }
   return fmt::format(
       "camera {}: turned by {:.2f} degrees, images {:.0f} ms {}: {}\n", finding.camera,
