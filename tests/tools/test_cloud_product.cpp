@@ -78,6 +78,13 @@ class ColoredProducts : public testing::Test {
     }
   }
 
+  void expect_the_colors(const CloudFile& cloud) {
+    ASSERT_EQ(cloud.colors.size(), points_.size());
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      ASSERT_EQ(cloud.colors[i], points_[i].color) << i;
+    }
+  }
+
   test::TemporaryFolder folder_;
   std::vector<CloudPoint> points_ = some_points();
   std::filesystem::path file_;
@@ -130,6 +137,55 @@ TEST_F(ColoredProducts, PcdHasThemAsOneFieldAsPclDoes) {
     }
     expect_the_points(read_pcd(file_), variant);
   }
+}
+
+TEST_F(ColoredProducts, AreReadBackWithTheirColorsWhereTheseAreWanted) {
+  for (const Variant& variant : kVariants) {
+    written(CloudFormat::ply, variant, true);
+    expect_the_colors(read_ply(file_, {.colors = true}));
+    EXPECT_TRUE(read_ply(file_).colors.empty());
+    written(CloudFormat::pcd, variant, true);
+    expect_the_colors(read_pcd(file_, {.colors = true}));
+    EXPECT_TRUE(read_pcd(file_).colors.empty());
+  }
+  for (const CloudFormat format : {CloudFormat::las, CloudFormat::laz}) {
+    written(format, {}, true);
+    expect_the_colors(read_las(file_, {.colors = true}));
+    EXPECT_TRUE(read_las(file_).colors.empty());
+    written(format, {}, false);
+    EXPECT_TRUE(read_las(file_, {.colors = true}).colors.empty());
+  }
+}
+
+TEST_F(ColoredProducts, OfOtherProgramsAreReadAsTheyHaveThem) {
+  using Colors = std::vector<std::array<uint8_t, 3>>;
+  const auto ply = [](const char* type, const char* points) {
+    return parse_ply("a.ply",
+                     std::string("ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
+                                 "property float y\nproperty float z\nproperty ") +
+                         type + " red\nproperty " + type + " green\nproperty " + type +
+                         " blue\nend_header\n" + points,
+                     {.colors = true})
+        .colors;
+  };
+  const Colors expected = {{255, 0, 51}, {1, 2, 3}};
+  EXPECT_EQ(ply("uchar", "1 1 1 255 0 51\n2 2 2 1 2 3\n"), expected);
+  EXPECT_EQ(ply("ushort", "1 1 1 65535 0 13107\n2 2 2 257 514 771\n"), expected);
+  EXPECT_EQ(ply("float", "1 1 1 1 0 0.2\n2 2 2 0.004 0.008 0.012\n"), expected);
+  EXPECT_EQ(ply("float", "1 1 1 255 0 51\n2 2 2 1 2 3\n"), expected);
+  EXPECT_EQ(ply("float", "1 1 1 nan 0 1\n2 2 2 1 1 1\n"), (Colors{{0, 0, 255}, {255, 255, 255}}));
+  EXPECT_TRUE(ply("uchar", "1 1 1 0 0 0\n2 2 2 0 0 0\n").empty());
+  const auto pcd = [](const char* kind, const char* points) {
+    return parse_pcd("a.pcd",
+                     std::string("VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F ") +
+                         kind + "\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n" +
+                         points,
+                     {.colors = true})
+        .colors;
+  };
+  EXPECT_EQ(pcd("U", "1 1 1 16711731\n2 2 2 66051\n"), expected);
+  EXPECT_EQ(pcd("F", "1 1 1 16711731\n2 2 2 66051\n"), expected);
+  EXPECT_EQ(pcd("F", "1 1 1 2.3418052e-38\n2 2 2 9.2557e-41\n"), expected);
 }
 
 TEST_F(ColoredProducts, TheLasFamilyHasThemIn16Bits) {

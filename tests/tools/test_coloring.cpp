@@ -3,12 +3,16 @@
 //
 // Colours of clouds by cameras: the parts, and `adit export --colorize` as a whole.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <random>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -17,6 +21,8 @@
 #include "adit/tests/support/ran.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/clouds/ply_reader.hpp"
+#include "adit/tools/clouds/png_decoder.hpp"
 #include "adit/tools/coloring/blurred_image.hpp"
 #include "adit/tools/coloring/camera_mounting.hpp"
 #include "adit/tools/coloring/map_views.hpp"
@@ -310,12 +316,133 @@ TEST_F(Colorized, WithoutACameraItSaysSo) {
   EXPECT_EQ(none.code, 1);
   EXPECT_NE(none.err.find("camera"), std::string::npos) << none.err;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "a.ply"));
-  const test::Ran cloud = test::ran(
+  for (const char* raster : {"", "color"}) {
+    const test::Ran other =
+        test::ran(export_command,
+                  ExportCommandOptions{.map = folder_ / "out",
+                                       .output = folder_ / (*raster != '\0' ? "x.tif" : "x.ply"),
+                                       .cloud = *raster != '\0' ? "" : "ply",
+                                       .color = *raster == '\0',
+                                       .raster = raster});
+    EXPECT_EQ(other.code, 1);
+    EXPECT_NE(other.err.find("camera"), std::string::npos) << other.err;
+  }
+  const test::Ran height = test::ran(
       export_command,
       ExportCommandOptions{
-          .map = folder_ / "out", .output = folder_ / "x.ply", .cloud = "ply", .color = true});
-  EXPECT_EQ(cloud.code, 2);
-  EXPECT_NE(cloud.err.find("--colorize is for --dense"), std::string::npos) << cloud.err;
+          .map = folder_ / "out", .output = folder_ / "x.tif", .color = true, .raster = "height"});
+  EXPECT_EQ(height.code, 2);
+  EXPECT_NE(height.err.find("--colorize is for clouds"), std::string::npos) << height.err;
+}
+
+/// Of the simulator's truth, by places: the colours of the returns in each cell, which are as far
+/// as `uses` says so. Of a dense cloud that has no colours.
+class TruthByPlace {
+ public:
+  TruthByPlace(const std::filesystem::path& dense, const std::filesystem::path& truth,
+               const Eigen::Vector3d& cell, const std::function<bool(const Point&)>& uses)
+      : cell_(cell) {
+    const std::string colors = test::content(truth);
+    const std::vector<Point> points = read_ply(dense).sweep.points;
+    EXPECT_EQ(colors.size(), 3 * points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector3d color = Eigen::Vector3d(static_cast<uint8_t>(colors[3 * i]),
+                                                    static_cast<uint8_t>(colors[3 * i + 1]),
+                                                    static_cast<uint8_t>(colors[3 * i + 2]));
+      if (!color.isZero() && uses(points[i])) {
+        auto& [sum, count] = cells_[index_of({points[i].x, points[i].y, points[i].z})];
+        sum += color;
+        ++count;
+      }
+    }
+  }
+  std::optional<Eigen::Vector3d> at(const Eigen::Vector3d& p) const {
+    const auto found = cells_.find(index_of(p));
+    return found == cells_.end()
+               ? std::nullopt
+               : std::optional(Eigen::Vector3d(found->second.first / found->second.second));
+  }
+
+ private:
+  using Index = std::array<int64_t, 3>;
+  Index index_of(const Eigen::Vector3d& p) const {
+    const Eigen::Vector3d share = p.cwiseQuotient(cell_);
+    return {std::lround(std::floor(share.x())), std::lround(std::floor(share.y())),
+            std::lround(std::floor(share.z()))};
+  }
+  Eigen::Vector3d cell_;  // m
+  std::map<Index, std::pair<Eigen::Vector3d, int>> cells_;
+};
+
+double median_of(std::vector<double> values) {
+  EXPECT_GT(values.size(), 500U);
+  if (values.empty()) {
+    return 255.0;
+  }
+  std::ranges::nth_element(values, values.begin() + static_cast<int>(values.size() / 2));
+  return values[values.size() / 2];
+}
+
+TEST_F(Colorized, SubmapsAndTheMapFromAboveHaveThemToo) {
+  map("front", {});
+  ExportCommandOptions options{
+      .map = folder_ / "out", .output = folder_ / "dense.ply", .dense = "ply"};
+  ASSERT_EQ(test::ran(export_command, options).code, 0);
+  options.dense = "";
+  options.cloud = "ply";
+  options.color = true;
+  options.output = folder_ / "cloud.ply";
+  const test::Ran cloud = test::ran(export_command, options);
+  ASSERT_EQ(cloud.code, 0) << cloud.err;
+  EXPECT_NE(cloud.out.find("% of the points have a colour, by"), std::string::npos) << cloud.out;
+  const std::filesystem::path colors = folder_ / "room.truth.colors";
+  const TruthByPlace near(folder_ / "dense.ply", colors, {0.05, 0.05, 0.05},
+                          [](const Point&) { return true; });
+  const CloudFile read = read_ply(folder_ / "cloud.ply", {.colors = true});
+  ASSERT_EQ(read.colors.size(), read.sweep.points.size());
+  std::vector<double> errors;
+  std::size_t colored = 0;
+  for (std::size_t i = 0; i < read.colors.size(); ++i) {
+    const Point& p = read.sweep.points[i];
+    const Eigen::Vector3d found(read.colors[i][0], read.colors[i][1], read.colors[i][2]);
+    colored += found.isZero() ? 0U : 1U;
+    if (const auto real = near.at({p.x, p.y, p.z}); real && !found.isZero()) {
+      errors.push_back((found - *real).cwiseAbs().maxCoeff());
+    }
+  }
+  EXPECT_GT(colored, read.colors.size() / 5);
+  EXPECT_LT(median_of(errors), 10.0);
+
+  // The floor is 1 m and more below the sensor, the ceiling above it is not in the picture.
+  options.cloud = "";
+  options.color = false;
+  options.raster = "color";
+  options.output = folder_ / "o.png";
+  const test::Ran above = test::ran(export_command, options);
+  ASSERT_EQ(above.code, 0) << above.err;
+  EXPECT_NE(above.out.find("% of the surface have a colour"), std::string::npos) << above.out;
+  const TruthByPlace floor(folder_ / "dense.ply", colors, {0.1, 0.1, 1e9},
+                           [](const Point& p) { return p.z < -0.5F; });
+  const std::string png = test::content(folder_ / "o.png");
+  PngDecoder image(png, 10'000);
+  const std::vector<uint8_t> pixels = image.read_rgb8();
+  std::array<double, 6> numbers{};
+  std::istringstream world(test::content(folder_ / "o.pgw"));
+  for (double& number : numbers) {
+    world >> number;
+  }
+  EXPECT_EQ(numbers[0], 0.1);
+  EXPECT_EQ(numbers[3], -0.1);
+  errors.clear();
+  for (std::size_t i = 0; i < pixels.size() / 3; ++i) {
+    const Eigen::Vector3d found(pixels[3 * i], pixels[3 * i + 1], pixels[3 * i + 2]);
+    const auto real = floor.at({numbers[4] + 0.1 * static_cast<double>(i % image.width()),
+                                numbers[5] - 0.1 * static_cast<double>(i / image.width()), -1.0});
+    if (real && !found.isZero()) {
+      errors.push_back((found - *real).cwiseAbs().maxCoeff());
+    }
+  }
+  EXPECT_LT(median_of(errors), 10.0);
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ TEST(DeliveryPreset, MistakesAreNamedWithTheirLine) {
         std::pair("[[product]]\nfile = \"a\"\nexprt = \"--dump\"",
                   "line 3: a product has no exprt"),
         std::pair("[[product]]\nfile = \"a\"\nexport = \"--dump\"\nneeds = \"luck\"",
-                  "needs is 'luck': place, recording or content"),
+                  "needs is 'luck': place, recording, cameras or content"),
         std::pair("[[product]]\nfile = \"a\"\nexport = \"--dump\"\n"
                   "[[product]]\nfile = \"a\"\nexport = \"--dump\"",
                   "a stands twice"),
@@ -101,6 +101,19 @@ TEST(DeliveryPlaceWords, FilesThatDoNotStateASystemGetUtmWhereTheMapIsOnTheEarth
             "--cloud pcd --frame map --geoid egm.pgm ");
   EXPECT_EQ(coordinates_of_product({.options = {"--grid"}}, "UTM"), "the map's frame");
   EXPECT_EQ(coordinates_of_product({.options = {"--cloud", "copc"}}, "UTM"), "UTM");
+}
+
+TEST(DeliveryPlaceWords, ColorsGetTheRecordingAndTheCamerasFile) {
+  const DeliveryPlace place{.recording = "drive.mcap", .calibration = "cameras.toml"};
+  const DeliveryProduct cloud{.options = {"--cloud", "laz", "--colorize"}};
+  EXPECT_TRUE(wants_colors(cloud));
+  EXPECT_EQ(export_words(cloud, place),
+            (std::vector<std::string>{"--cloud", "laz", "--colorize", "--recording", "drive.mcap",
+                                      "--calibration", "cameras.toml"}));
+  EXPECT_TRUE(wants_colors({.options = {"--raster", "color"}}));
+  EXPECT_FALSE(wants_colors({.options = {"--raster", "height"}}));
+  EXPECT_EQ(export_words(without_colors(cloud), place),
+            (std::vector<std::string>{"--cloud", "laz"}));
 }
 
 /// A map of a floor that two keyframes saw.
@@ -161,6 +174,18 @@ TEST_F(DeliverCommand, WhatIsThereIsKeptUntilItIsAskedForOtherwise) {
   EXPECT_EQ(
       deliver("[[product]]\nfile = \"a.copc.laz\"\nexport = \"--cloud laz\"\n").out.find("kept"),
       std::string::npos);
+}
+
+TEST_F(DeliverCommand, WithoutCamerasCloudsHaveNoColorsAndThatIsSaid) {
+  const Ran one = deliver(
+      "[[product]]\nfile = \"a.laz\"\nexport = \"--cloud laz --colorize\"\n"
+      "[[product]]\nfile = \"o.tif\"\nexport = \"--raster color\"\nneeds = \"cameras\"\n");
+  EXPECT_EQ(one.code, 0) << one.err;
+  EXPECT_NE(one.err.find("note: clouds have no colours ("), std::string::npos) << one.err;
+  EXPECT_NE(one.err.find("left out  o.tif (there are no colours"), std::string::npos) << one.err;
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "a.laz"));
+  const std::string page = test::content(folder_ / "out" / "README.md");
+  EXPECT_NE(page.find("The points of the clouds have no colours."), std::string::npos) << page;
 }
 
 TEST_F(DeliverCommand, OneFileThatFailsDoesNotStopTheOthers) {

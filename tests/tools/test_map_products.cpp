@@ -265,7 +265,7 @@ TEST_F(MapProducts, AgreeToAMillimetre) {
   std::map<std::pair<int64_t, int64_t>, double> highest;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     if (las.classes[i] == 1) {
-      const Eigen::Vector2d cell = (expected[i].head<2>() - raster.corner()) / 2.0;
+      const Eigen::Vector2d cell = (expected[i].head<2>() - raster.frame().corner) / 2.0;
       const std::pair<int64_t, int64_t> place{std::lround(std::floor(cell.x())),
                                               std::lround(std::floor(-cell.y()))};
       const auto known = highest.try_emplace(place, expected[i].z());

@@ -115,6 +115,33 @@ TEST(CloudTiles, AreTheSameWhereTheyDoNotFitIntoMemory) {
   }
 }
 
+TEST(CloudTiles, PointsKeepTheirColors) {
+  constexpr std::size_t kCount = 30'000;
+  const std::vector<Placed> all = points(kCount);
+  const auto color_of = [](std::size_t i) {
+    return PointColor{static_cast<uint8_t>(i % 256), static_cast<uint8_t>(i / 256), 7};
+  };
+  CloudTilesMaker maker(cube_about({0.0, 0.0, 0.0}, {40.0, 30.0, 5.0}));
+  for (std::size_t i = 0; i < kCount; ++i) {
+    maker.add(all[i].p, all[i].facts, color_of(i));
+  }
+  const CloudTiles tiles = maker.make();
+  EXPECT_TRUE(tiles.colored());
+  for (uint32_t number = 0; number < tiles.tiles().size(); ++number) {
+    const std::vector<TilePoint> read = tiles.read(number);
+    const std::vector<PointColor> colors = tiles.read_colors(number);
+    ASSERT_EQ(colors.size(), read.size());
+    for (std::size_t k = 0; k < read.size(); ++k) {
+      ASSERT_EQ(colors[k], color_of(read[k].facts.moment));
+    }
+    EXPECT_EQ(tile_message(number, read, colors).size(),
+              8 + read.size() * (sizeof(TilePoint) + sizeof(PointColor)));
+  }
+  const CloudTiles without = tiles_of(all, kCount);
+  EXPECT_FALSE(without.colored());
+  EXPECT_TRUE(without.read_colors(0).empty());
+}
+
 TEST(CloudTiles, AnInnerTileIsACloudThinnedToItsCells) {
   const CloudTiles tiles = tiles_of(points(200'000), 200'000);
   std::set<uint32_t> parents;

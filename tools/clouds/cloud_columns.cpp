@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cctype>
 #include <cmath>
 #include <cstring>
@@ -153,6 +154,10 @@ const std::array<std::vector<std::string_view>, kFieldRoles> kNames = {{
      "timestamp_nsec", "timestamp_nanosec", "time_ns", "t_ns", "timestamp_ns"},
     {"curvature"},
     {"doppler", "velocity", "v_doppler_mps", "doppler_velocity", "range_rate", "radial_speed"},
+    {"red", "r", "diffuse_red"},
+    {"green", "g", "diffuse_green"},
+    {"blue", "b", "diffuse_blue"},
+    {"rgb", "rgba"},
 }};
 const std::vector<std::string_view> kSeconds = {"sec",   "secs",       "seconds",       "time_sec",
                                                 "t_sec", "stamp_sec",  "timestamp_sec", "time_s",
@@ -266,9 +271,67 @@ std::vector<float> decode_doppler(const Column& column, std::size_t points) {
   return doppler;
 }
 
+using Colors = std::vector<std::array<uint8_t, 3>>;
+
+/// A channel, of any type: bytes as they are, wider integers by their upper byte, unless all would
+/// be 0, and floating point from 0 to 1, or to 255 where one is above 1.
+void decode_channel(const Column& column, std::size_t channel, Colors& colors) {
+  const ScalarType type = column.written.value_or(column.type);
+  double most = 0.0;
+  for_each_value(column, colors.size(), [&](std::size_t, auto value) {
+    const auto number = static_cast<double>(value);
+    most = std::isfinite(number) ? std::max(most, number) : most;
+  });
+  const double scale = !is_integer(type) ? (most > 1.0 ? 1.0 : 255.0)
+                       : most > 255.0    ? 1.0 / 257.0
+                                         : 1.0;
+  for_each_value(column, colors.size(), [&](std::size_t i, auto value) {
+    const double number = scale * static_cast<double>(value);
+    colors[i][channel] = std::isfinite(number)
+                             ? static_cast<uint8_t>(std::lround(std::clamp(number, 0.0, 255.0)))
+                             : uint8_t{0};
+  });
+}
+
+/// PCL's: 0x00RRGGBB as an integer, or as the float of these bits. Text has either.
+void decode_packed(const Column& column, Colors& colors) {
+  const bool text = column.written.has_value();
+  for_each_value(column, colors.size(), [&](std::size_t i, auto value) {
+    uint32_t packed = 0;
+    if constexpr (std::is_floating_point_v<decltype(value)>) {
+      constexpr double kMost = 4294967295.0;
+      const auto number = static_cast<double>(value);
+      const bool whole = text && number >= 1.0 && number <= kMost;
+      packed = whole ? static_cast<uint32_t>(number) : std::bit_cast<uint32_t>(to_float(value));
+    } else {
+      packed = static_cast<uint32_t>(value);
+    }
+    colors[i] = {static_cast<uint8_t>(packed >> 16U), static_cast<uint8_t>(packed >> 8U),
+                 static_cast<uint8_t>(packed)};
+  });
+}
+
+/// Empty where there are none, or all are black, as those of many files that have a place for them.
+Colors decode_colors(const CloudColumns& columns) {
+  Colors colors(columns.points);
+  if (columns[FieldRole::red] && columns[FieldRole::green] && columns[FieldRole::blue]) {
+    decode_channel(*columns[FieldRole::red], 0, colors);
+    decode_channel(*columns[FieldRole::green], 1, colors);
+    decode_channel(*columns[FieldRole::blue], 2, colors);
+  } else if (columns[FieldRole::rgb]) {
+    decode_packed(*columns[FieldRole::rgb], colors);
+  }
+  const bool black =
+      std::ranges::all_of(colors, [](const auto& one) { return one == std::array<uint8_t, 3>{}; });
+  return black ? Colors() : colors;
+}
+
 CloudFile with_optional_fields(const std::filesystem::path& file, const CloudColumns& columns,
                                CloudFile cloud) {
   const std::vector<Point>& points = cloud.sweep.points;
+  if (columns.reading.colors) {
+    cloud.colors = decode_colors(columns);
+  }
   if (columns[FieldRole::doppler]) {
     cloud.sweep.doppler = decode_doppler(*columns[FieldRole::doppler], points.size());
   }
@@ -325,11 +388,12 @@ std::size_t size_of(ScalarType type) {
   return 0;
 }
 
-FieldRoles find_roles(const std::vector<std::string_view>& names) {
+FieldRoles find_roles(const std::vector<std::string_view>& names, bool colors) {
   std::vector<std::string> plain(names.size());
   std::transform(names.begin(), names.end(), plain.begin(), plain_name);
   FieldRoles roles;
-  for (std::size_t role = 0; role < kFieldRoles; ++role) {
+  const std::size_t wanted = colors ? kFieldRoles : static_cast<std::size_t>(FieldRole::red);
+  for (std::size_t role = 0; role < wanted; ++role) {
     roles.index[role] = index_of(plain, kNames[role]);
   }
   int& time = roles.index[static_cast<std::size_t>(FieldRole::time)];

@@ -4,6 +4,7 @@
 // From the columns of a point file to a Sweep, the same for every file format.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -36,8 +37,23 @@ struct Column {
 /// What a field of a point means, by its name. `nanoseconds` is the part below a second of a
 /// time whose whole seconds are `time`. `curvature` is where some drivers for PCL's normals leave
 /// the time (ms). `doppler` is the radial speed (m/s, positive: going away).
-enum class FieldRole { x, y, z, intensity, ring, time, nanoseconds, curvature, doppler };
-constexpr std::size_t kFieldRoles = 9;
+/// The last four are of colours: a field a channel, or all three in one number, as PCL packs them.
+enum class FieldRole {
+  x,
+  y,
+  z,
+  intensity,
+  ring,
+  time,
+  nanoseconds,
+  curvature,
+  doppler,
+  red,
+  green,
+  blue,
+  rgb
+};
+constexpr std::size_t kFieldRoles = 13;
 
 /// How points are to be understood, where their file does not tell.
 struct CloudReading {
@@ -46,16 +62,18 @@ struct CloudReading {
   std::optional<double> coordinate_scale{};    ///< m of a step of the coordinates; none: metres
   std::optional<Eigen::Vector3d> offset{};     ///< Sweep::offset; none: chosen by this cloud
   std::optional<uint32_t> floats_per_point{};  ///< of a .bin file; none: found by its numbers
+  bool colors = false;                         ///< CloudFile::colors are wanted
 };
 
 /// The meaning of each named field; -1 where no field has it. Names are compared without case and
 /// without CloudCompare's "scalar_" prefix; where several fit, the usual name wins ("intensity"
 /// before "reflectivity").
 struct FieldRoles {
-  int index[kFieldRoles] = {-1, -1, -1, -1, -1, -1, -1, -1};
+  int index[kFieldRoles] = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
   int operator[](FieldRole role) const { return index[static_cast<std::size_t>(role)]; }
 };
-FieldRoles find_roles(const std::vector<std::string_view>& names);
+/// `colors`: also of those of colours.
+FieldRoles find_roles(const std::vector<std::string_view>& names, bool colors = false);
 
 /// The columns of a cloud; x, y and z must be there.
 struct CloudColumns {
@@ -78,7 +96,9 @@ struct CloudFile {
       false;  ///< true: the points carry absolute times and sweep.stamp is the earliest of them;
               ///< false: sweep.stamp is the sweep's start relative to the recording's stamp
   std::optional<PointTimeNature> times{};  ///< how the points' times were understood, where any are
-  bool has_intensity = true;               ///< false: those of the points are made up zeros
+  /// Red, green and blue of each point, where they were wanted and some point has one.
+  std::vector<std::array<uint8_t, 3>> colors{};
+  bool has_intensity = true;     ///< false: those of the points are made up zeros
   double coordinate_step = 0.0;  ///< m to the next float32, where the source's coordinates are
                                  ///< rounded to such; 0: within half a millimetre
   std::optional<uint32_t> floats_per_point{};  ///< of a .bin file, where it was given or found

@@ -23,6 +23,8 @@ constexpr const char* kRemedy = "The file is damaged or cut off: write it again"
 
 /// Where the GPS time lies in a point of each format; 0: it has none.
 constexpr std::array<std::size_t, 11> kTimeOffsets = {0, 20, 0, 20, 20, 20, 22, 22, 22, 22, 22};
+/// The same of red, green and blue, 16 bits each.
+constexpr std::array<std::size_t, 11> kColorOffsets = {0, 0, 20, 28, 0, 28, 0, 30, 30, 0, 30};
 constexpr std::array<std::size_t, 11> kSmallestPoints = {20, 28, 26, 34, 57, 63,
                                                          30, 36, 38, 59, 67};
 
@@ -182,6 +184,12 @@ CloudFile parse_las(const std::filesystem::path& file, std::string_view content,
   columns[FieldRole::intensity] = Column{records, 12, held.point_bytes, ScalarType::u16, false};
   if (const std::size_t time = kTimeOffsets[header.format]; time > 0) {
     columns[FieldRole::time] = Column{records, time, held.point_bytes, ScalarType::f64, false};
+  }
+  if (const std::size_t color = kColorOffsets[header.format]; color > 0) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      columns.columns[static_cast<std::size_t>(FieldRole::red) + channel] =
+          Column{records, color + 2 * channel, held.point_bytes, ScalarType::u16, false};
+    }
   }
   CloudFile cloud = decoded(file, columns);
   if (fault) {

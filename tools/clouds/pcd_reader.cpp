@@ -33,7 +33,7 @@ FieldRoles roles_of(const std::filesystem::path& file, const PcdHeader& header) 
   for (const PcdField& field : header.fields) {
     names.push_back(field.count > 0 ? std::string_view(field.name) : std::string_view());
   }
-  const FieldRoles roles = find_roles(names);
+  const FieldRoles roles = find_roles(names, header.reading.colors);
   for (const FieldRole axis : {FieldRole::x, FieldRole::y, FieldRole::z}) {
     if (roles[axis] < 0) {
       throw InputError(file, Place::named("FIELDS"), "there is no field x, y or z",

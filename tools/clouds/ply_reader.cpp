@@ -18,13 +18,13 @@ namespace {
 
 constexpr const char* kCutOff = "The file is cut off or its header is wrong: write it again";
 
-FieldRoles roles_of(const std::filesystem::path& file, const PlyElement& vertex) {
+FieldRoles roles_of(const std::filesystem::path& file, const PlyElement& vertex, bool colors) {
   std::vector<std::string_view> names;
   names.reserve(vertex.properties.size());
   for (const PlyProperty& property : vertex.properties) {
     names.push_back(property.list_count ? std::string_view() : std::string_view(property.name));
   }
-  const FieldRoles roles = find_roles(names);
+  const FieldRoles roles = find_roles(names, colors);
   for (const FieldRole axis : {FieldRole::x, FieldRole::y, FieldRole::z}) {
     if (roles[axis] < 0) {
       throw InputError(file, Place::named("element vertex"), "it has no property x, y or z",
@@ -81,7 +81,7 @@ class BinaryBody {
 
   /// `last`: no other element follows.
   CloudFile read(PlyElement vertex, bool last) {
-    const FieldRoles roles = roles_of(file_, vertex);
+    const FieldRoles roles = roles_of(file_, vertex, reading_.colors);
     const uint64_t record = vertex.smallest_record();
     const uint64_t room = record == 0 ? 0 : left() / record;
     if (room == 0 && vertex.count > 0) {
@@ -243,7 +243,7 @@ class AsciiBody {
 
   /// `last`: no other element follows.
   CloudFile read(const PlyElement& vertex, bool last) {
-    const FieldRoles roles = roles_of(file_, vertex);
+    const FieldRoles roles = roles_of(file_, vertex, reading_.colors);
     std::vector<double> values;
     uint64_t there = 0;  // records, also those that cannot be read
     uint64_t refused = 0;

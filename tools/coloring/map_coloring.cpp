@@ -345,8 +345,10 @@ ColoringCounts MapColoring::counts() const {
   return counts;
 }
 
-void MapColoring::color(std::span<CloudPoint> points, std::span<const Eigen::Vector3d> places,
-                        const Eigen::Vector3d& sensor) {
+void MapColoring::color(std::span<CloudPoint> points, const Eigen::Vector3d& sensor) {
+  std::vector<Eigen::Vector3d> places;
+  places.reserve(points.size());
+  std::ranges::transform(points, std::back_inserter(places), &CloudPoint::in_map);
   std::vector<ViewColoring::Look> looks;
   for (const std::size_t number : views_of(places, sensor)) {
     if (View one = view(number)) {

@@ -62,10 +62,9 @@ class MapColoring {
   std::vector<CameraFinding> prepare(
       bool corrects, const std::function<void(std::size_t done, std::size_t total)>& progress);
 
-  /// Gives points at `places`, that were seen from around `sensor`, their colours; both map frame,
-  /// m. What moves stays black: it was elsewhere when most images were taken.
-  void color(std::span<CloudPoint> points, std::span<const Eigen::Vector3d> places,
-             const Eigen::Vector3d& sensor);
+  /// Gives points that were seen from around `sensor` (map frame, m) their colours, by their places
+  /// in the map. What moves stays black: it was elsewhere when most images were taken.
+  void color(std::span<CloudPoint> points, const Eigen::Vector3d& sensor);
 
   ColoringCounts counts() const;
 

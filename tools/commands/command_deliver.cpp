@@ -74,13 +74,27 @@ void make_folder(const fs::path& folder) {
 }
 
 /// What a product needs and the map has not.
-enum class Missing { nothing, place, recording };
+enum class Missing { nothing, place, recording, cameras };
 
 Missing missing_for(const DeliveryProduct& product, const MapDatabase& map,
-                    const DeliveryPlace& place) {
+                    const DeliveryPlace& place, bool colors) {
   return product.needs_place && !place.on_earth                  ? Missing::place
          : product.needs_recording && !has_recording(map, place) ? Missing::recording
+         : product.needs_cameras && !colors                      ? Missing::cameras
                                                                  : Missing::nothing;
+}
+
+/// Whether points get colours; says why where they do not and some product wants them.
+bool check_colors(const std::vector<DeliveryProduct>& wanted, const MapDatabase& map,
+                  const DeliveryPlace& place, const fs::path& folder, std::ostream& err) {
+  if (std::ranges::none_of(wanted, wants_colors)) {
+    return false;
+  }
+  const std::string why = why_no_colors(map, place, folder);
+  if (!why.empty()) {
+    err << "note: clouds have no colours (" << why << ")\n";
+  }
+  return why.empty();
 }
 
 /// A page of somebody else's stays.
@@ -100,18 +114,20 @@ struct Delivered {
 Delivered write_products(const std::vector<DeliveryProduct>& wanted, const MapDatabase& map,
                          const DeliveryPlace& place, const fs::path& folder, std::ostream& out,
                          std::ostream& err) {
+  const bool colors = check_colors(wanted, map, place, folder, err);
   std::vector<fs::path> inputs = {map.file()};
-  for (const auto& input : {place.geoid, place.recording}) {
+  for (const auto& input : {place.geoid, place.recording, place.calibration}) {
     if (input) {
       inputs.push_back(*input);
     }
   }
   DeliveryRecord record(folder);
   Delivered delivered;
-  for (const DeliveryProduct& product : wanted) {
+  for (const DeliveryProduct& one : wanted) {
+    const DeliveryProduct product = colors ? one : without_colors(one);
     const std::vector<std::string> words = export_words(product, place);
     const std::string state = delivery_state(inputs, words);
-    const Missing missing = missing_for(product, map, place);
+    const Missing missing = missing_for(product, map, place, colors);
     if (missing == Missing::nothing && record.has(product, state)) {
       out << "kept   " << (folder / product.file).string() << "\n";
       delivered.there.push_back(product);
@@ -120,8 +136,9 @@ Delivered write_products(const std::vector<DeliveryProduct>& wanted, const MapDa
     record.remove(product);
     if (missing != Missing::nothing) {
       err << "left out  " << product.file << " ("
-          << (missing == Missing::place ? "the map has no place on the Earth: --origin PLACE"
-                                        : "the recording is not there: --recording REC")
+          << (missing == Missing::place     ? "the map has no place on the Earth: --origin PLACE"
+              : missing == Missing::cameras ? "there are no colours, see above"
+                                            : "the recording is not there: --recording REC")
           << ")\n";
     } else if (run_export(map.file(), folder / product.file, words) == 0) {
       record.add(product, state);
@@ -180,7 +197,9 @@ void add_deliver_command(Command app, std::function<void(int)> done) {
   command.footer(
       "OUT is the folder of a run, MAP the map in it, OUT/map.adit. The folder gets clouds (COPC, "
       "LAZ), rasters, an occupancy grid, pictures, the trajectory, a report, and README.md, which "
-      "says what each is. Files that are there already are kept: run an interrupted command again. "
+      "says what each is. Clouds are in colours, and there is an orthophoto, if the recording has "
+      "cameras with a calibration. Files that are there already are kept: run an interrupted "
+      "command again. "
       "A "
       "preset (TOML) says what is written.\n\n"
       "Examples:\n"
@@ -210,6 +229,10 @@ void add_deliver_command(Command app, std::function<void(int)> done) {
       .option("--recording", options->place.recording,
               "Where the recording is, if not where it was mapped")
       .value_name("REC");
+  command
+      .option("--calibration", options->place.calibration,
+              "A file of cameras, for the colours, as of adit export")
+      .value_name("FILE");
   command.action(
       [options, done = std::move(done)] { done(deliver_command(*options, std::cout, std::cerr)); });
 }

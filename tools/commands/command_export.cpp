@@ -124,7 +124,8 @@ void check_selection(const ExportCommandOptions& options) {
       (!options.device.device.empty() || options.device.validation ||
        options.device.max_vram_bytes > 0)) {
     throw UsageError(
-        "--device, --max-vram and --validation need --find-moving, --clean or --colorize.");
+        "--device, --max-vram and --validation need --find-moving, --clean, --colorize or "
+        "--raster color.");
   }
   if (options.without_moving && (!options.raster.empty() || is_plan(options))) {
     throw UsageError("--without-moving: rasters and plans leave out what moves anyway.");
@@ -219,8 +220,9 @@ void check_options(const ExportCommandOptions& options) {
                          *options.tiles == std::round(*options.tiles))) {
     throw UsageError("--tiles: must be a whole number of metres from 1 to 100000.");
   }
-  if (options.recording && options.dense.empty() && options.raster != "intensity") {
-    throw UsageError("--recording needs --dense or --raster intensity.");
+  if (options.recording && options.dense.empty() && options.raster != "intensity" &&
+      !options.color) {
+    throw UsageError("--recording needs --dense, --raster intensity or --colorize.");
   }
   check_rasters(options);
   check_plan_options(options);
@@ -268,7 +270,7 @@ std::string write(const ExportJob& job) {
     return export_graph(job);
   }
   if (!options.raster.empty()) {
-    return export_raster(job);
+    return options.raster == "color" ? export_orthophoto(job) : export_raster(job);
   }
   if (options.grid) {
     return export_grid(job);
@@ -336,6 +338,7 @@ int export_command(const ExportCommandOptions& options, std::ostream& out, std::
   return guarded("adit export", out, err, [&] {
     ExportCommandOptions found = options;
     found.map = map_file(options.map);
+    found.color = options.color || options.raster == "color";
     return run(found, out, err);
   });
 }
@@ -358,6 +361,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
       "  adit export out --cloud laz --classify --clean mark -o classes.laz\n"
       "  adit export out --dense ply -o dense.ply\n"
       "  adit export out --dense laz --colorize -o colors.laz\n"
+      "  adit export out --raster color -o orthophoto.tif\n"
       "  adit export out --tiles 20 -o autoware\n"
       "  adit export out --raster height --cell 0.5 -o height.tif\n"
       "  adit export out --grid -o grid.yaml\n"
@@ -389,7 +393,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
       .value_name("FORMAT");
   command
       .option("--recording", options->recording,
-              "Where the recording of a dense cloud is, if not where it was mapped")
+              "Where the recording of a dense cloud and of colours is, if not where it was mapped")
       .value_name("REC");
   add_color_options(command, *options);
   command.option("--resolution", options->resolution, "One point of the cloud a voxel of this (m)")
@@ -400,17 +404,20 @@ void add_export_command(Command app, std::function<void(int)> done) {
               "index that Autoware reads; --cloud chooses their format (pcd)")
       .value_name("M");
   command
-      .option("--raster", options->raster,
-              "The map from above as GeoTIFF, or PNG with world file by FILE's end: height (of the "
-              "highest point), ground (its height), intensity (of the recording's returns)")
-      .one_of({"height", "intensity", "ground"})
+      .option(
+          "--raster", options->raster,
+          "The map from above as GeoTIFF, or PNG with world file by FILE's end: height (of the "
+          "highest point), ground (its height), intensity (of the recording's returns), color (of "
+          "the highest surface whose upper side was seen, by the recording's cameras)")
+      .one_of({"height", "intensity", "ground", "color"})
       .value_name("WHAT");
   command.flag("--grid", options->grid,
                "Occupancy grid of ROS map_server: a YAML file, and its PGM beside it");
   add_plan_options(command, *options);
   command
       .option("--cell", options->cell,
-              "Size of cells (m); 0.25 of rasters, 0.05 of grids and plans, 0.5 of contours")
+              "Size of cells (m); 0.25 of rasters, 0.1 of --raster color, 0.05 of grids and plans, "
+              "0.5 of contours")
       .value_name("M");
   command.flag("--report", options->report,
                "A page to print: coordinates, coverage, loops, warnings, a picture, versions");

@@ -17,6 +17,8 @@
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/evaluation/trajectory_source.hpp"
 #include "adit/tools/evaluation/truth_on_map.hpp"
+#include "adit/tools/export/cloud_painter.hpp"
+#include "adit/tools/map_database/map_location.hpp"
 #include "adit/tools/run/loop_verifier.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/stop_signal.hpp"
@@ -49,11 +51,12 @@ std::function<ViewTruth(const MapDatabase&)> truth_of(const ViewCommandOptions& 
 /// As `adit run --view` does, but that nothing is left in the end.
 int view_recording(const ViewCommandOptions& options, std::ostream& out, std::ostream& err) {
   const std::string what = options.what.string();
-  if (options.edit || options.truth) {
-    throw UsageError(what +
-                     " is no map, so there is nothing to edit or to compare. Map it first: "
-                     "adit run " +
-                     what + " -o out");
+  if (options.edit || options.truth || options.color) {
+    throw UsageError(
+        what +
+        " is no map, so there is nothing to edit, to compare or to colour. Map it first: "
+        "adit run " +
+        what + " -o out");
   }
   const TemporaryFolder folder("adit-view");
   err << "note: " << what
@@ -70,6 +73,47 @@ int view_recording(const ViewCommandOptions& options, std::ostream& out, std::os
   return run_command(mapping, out, err);
 }
 
+/// Colours of a map's points, as of `adit export --cloud ply --colorize`.
+class MapPaint {
+ public:
+  MapPaint(const ViewCommandOptions& options, std::ostream& out, std::ostream& err)
+      : map_(map_of(options), MapAccess::read),
+        memory_(0, 0),
+        options_{.map = map_.file(),
+                 .output = "",
+                 .recording = options.recording,
+                 .color = true,
+                 .calibration = options.calibration,
+                 .device = options.device},
+        painter_({.map = &map_,
+                  .options = &options_,
+                  .file = {},
+                  .memory = &memory_,
+                  .out = &out,
+                  .err = &err}) {}
+
+  std::function<std::span<const CloudPoint>(std::span<const CloudPoint>)> function() {
+    return [this](std::span<const CloudPoint> points) { return painter_.painted(points); };
+  }
+  /// "colours: 49 % of the points have a colour, by ...".
+  std::string finish() { return "colours" + painter_.finish().replace(0, 1, ":") + "\n"; }
+
+ private:
+  static std::filesystem::path map_of(const ViewCommandOptions& options) {
+    const std::filesystem::path file = map_file(options.what);
+    if (file.extension() != ".adit" || !std::filesystem::exists(file)) {
+      throw UsageError("--colorize: " + options.what.string() +
+                       " has no map.adit. Clouds with colours are shown with them anyway.");
+    }
+    return file;
+  }
+
+  MapDatabase map_;
+  MemoryLimit memory_;
+  ExportCommandOptions options_;
+  CloudPainter painter_;
+};
+
 int run(const ViewCommandOptions& options, std::ostream& out, std::ostream& err) {
   const std::string_view page = required_page();
   if (!is_shown_as_it_is(options.what)) {
@@ -77,6 +121,7 @@ int run(const ViewCommandOptions& options, std::ostream& out, std::ostream& err)
   }
   const StopSignal stop;
   std::optional<ViewData> data;
+  std::optional<MapPaint> paint;
   const ViewAccess access = access_of(options.serve);
   // Listens before the cloud is read: a port that is taken is reported at once.
   ViewServer server({.page = page,
@@ -88,13 +133,21 @@ int run(const ViewCommandOptions& options, std::ostream& out, std::ostream& err)
                      .tile = [&](uint32_t number) { return data->tile(number); },
                      .foxglove = [&] { return data->foxglove(); }},
                     access, static_cast<uint16_t>(options.serve.port));
+  if (options.color) {
+    paint.emplace(options, out, err);
+  }
   data.emplace(
       ViewDataOptions{.what = options.what,
                       .edit = options.edit,
                       .verify = options.edit ? loop_verifier(options.device) : VerifyLoop{},
                       .truth = truth_of(options),
+                      .paint = paint ? paint->function() : nullptr,
                       .stop = [] { return StopSignal::received() != 0; }},
       err);
+  if (paint) {
+    out << paint->finish();
+    paint.reset();  // it holds a device
+  }
   out << fmt::format("{}: {} points, {} keyframes\n", data->title(), data->points(),
                      data->keyframes());
   say_link(server.link(), access,
@@ -135,6 +188,7 @@ void add_view_command(Command app, std::function<void(int)> done) {
       "  adit view scan.ply --port 8080\n"
       "  adit view drive.mcap\n"
       "  adit view out --truth truth.tum\n"
+      "  adit view out --colorize\n"
       "  adit view out --listen 0.0.0.0\n"
       "  adit view out --foxglove\n\n"
       "Exit codes: 0 ended by Ctrl-C or SIGTERM, 1 nothing that can be shown, 2 usage,\n129, 130 "
@@ -146,6 +200,16 @@ void add_view_command(Command app, std::function<void(int)> done) {
   command
       .option("--truth", options->truth,
               "The true trajectory: colours by error, and the true way beside the map's")
+      .value_name("FILE");
+  command.flag("--colorize", options->color,
+               "A map's points in the colours of its recording's camera images");
+  command
+      .option("--recording", options->recording,
+              "Where the recording of --colorize is, if not where it was mapped")
+      .value_name("REC");
+  command
+      .option("--calibration", options->calibration,
+              "A file of cameras for --colorize, as of adit export")
       .value_name("FILE");
   command.flag("--edit", options->edit, "Loops may be revoked, restored and proposed in the page");
   command.action(

@@ -19,9 +19,12 @@ class Command;
 struct ViewCommandOptions {
   std::filesystem::path what{};  ///< a map, a run's folder, or a cloud
   ServeOptions serve{};
-  DeviceOptions device{};  ///< that recordings are mapped and proposed loops verified on
+  DeviceOptions device{};  ///< that recordings are mapped, loops verified and points coloured on
   bool edit = false;       ///< loops may be revoked, restored and proposed
   std::optional<std::filesystem::path> truth{};  ///< a trajectory with times
+  bool color = false;  ///< a map's points, by the cameras of its recording
+  std::optional<std::filesystem::path> recording{};    ///< for the colours; none: that of the map
+  std::optional<std::filesystem::path> calibration{};  ///< a file of cameras
 };
 
 /// Serves until a signal ends it. Returns the exit code: 0 ended by SIGINT (Ctrl-C) or SIGTERM, 1

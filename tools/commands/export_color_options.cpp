@@ -7,12 +7,16 @@
 namespace adit {
 
 void check_color_options(const ExportCommandOptions& options) {
-  if (options.color && options.dense.empty()) {
-    throw UsageError("--colorize is for --dense: the points of submaps are means of many.");
+  const bool cloud = !options.cloud.empty() || !options.dense.empty() || options.tiles;
+  if (options.color && !cloud && options.raster != "color") {
+    throw UsageError(
+        "--colorize is for clouds: --cloud, --dense, --tiles; --raster color needs no such "
+        "option.");
   }
   if (!options.color &&
       (!options.cameras.empty() || options.calibration || options.as_calibrated)) {
-    throw UsageError("--camera, --calibration and --as-calibrated need --colorize.");
+    throw UsageError(
+        "--camera, --calibration and --as-calibrated need --colorize or --raster color.");
   }
 }
 

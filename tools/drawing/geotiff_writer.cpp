@@ -6,7 +6,9 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <limits>
 #include <new>
 #include <string_view>
@@ -49,8 +51,7 @@ Field text_field(uint16_t tag, const std::string& value) {
           .bytes = value + std::string(1, '\0')};
 }
 
-std::string deflated(std::span<const float> cells) {
-  const auto bytes = std::as_bytes(cells);
+std::string deflated(std::span<const std::byte> bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::string packed(size, '\0');
   if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
@@ -128,10 +129,17 @@ std::vector<Field> keys_of(const GeoTiffHeading& heading) {
   return fields;
 }
 
-}  // namespace
+/// What a cell is made of.
+struct Samples {
+  std::vector<Field> fields{};       ///< that say so, and what "no data" is
+  std::vector<std::byte> nothing{};  ///< a block without data
+};
 
-void write_geotiff(const std::filesystem::path& file, const GeoTiffHeading& heading,
-                   const RasterBlock& block) {
+/// A block's bytes; empty: no data there.
+using ByteBlock = std::function<std::span<const std::byte>(int64_t column, int64_t row)>;
+
+void write_raster(const std::filesystem::path& file, const GeoTiffHeading& heading,
+                  const Samples& samples, const ByteBlock& block) {
   const int64_t across = (heading.columns + kRasterBlock - 1) / kRasterBlock;
   const int64_t down = (heading.rows + kRasterBlock - 1) / kRasterBlock;
   OutputFile output(file);
@@ -155,15 +163,13 @@ void write_geotiff(const std::filesystem::path& file, const GeoTiffHeading& head
     }
     return static_cast<uint32_t>(begin);
   };
-  const std::vector<float> nothing(std::size_t{kRasterBlock} * kRasterBlock,
-                                   std::numeric_limits<float>::quiet_NaN());
-  const std::string empty = deflated(nothing);
+  const std::string empty = deflated(samples.nothing);
   const uint32_t empty_at = take(empty);
   std::string offsets;
   std::string sizes;
   for (int64_t row = 0; row < down; ++row) {
     for (int64_t column = 0; column < across; ++column) {
-      const std::span<const float> cells = block(column, row);
+      const std::span<const std::byte> cells = block(column, row);
       const std::string packed = cells.empty() ? empty : deflated(cells);
       append_raw(offsets, cells.empty() ? empty_at : take(packed));
       append_raw(sizes, static_cast<uint32_t>(packed.size()));
@@ -173,24 +179,21 @@ void write_geotiff(const std::filesystem::path& file, const GeoTiffHeading& head
   std::vector<Field> fields = {
       field<uint32_t>(256, kLong, {static_cast<uint32_t>(heading.columns)}),
       field<uint32_t>(257, kLong, {static_cast<uint32_t>(heading.rows)}),
-      number_field(258, 32),  // bits
-      number_field(259, 8),   // Adobe deflate
-      number_field(262, 1),   // more is brighter
+      number_field(259, 8),  // Adobe deflate
       text_field(270, heading.description),
-      number_field(277, 1),  // of one number a cell
-      number_field(284, 1),
+      number_field(284, 1),  // all numbers of a cell together
       text_field(305, heading.software),
       number_field(322, kRasterBlock),
       number_field(323, kRasterBlock),
       {.tag = 324, .type = kLong, .count = blocks, .bytes = offsets},
       {.tag = 325, .type = kLong, .count = blocks, .bytes = sizes},
-      number_field(339, 3),  // floating point
       field<double>(33550, kDouble, {heading.cell, heading.cell, 0.0}),
       field<double>(33922, kDouble, {0.0, 0.0, 0.0, heading.corner.x(), heading.corner.y(), 0.0})};
   for (const Field& key : keys_of(heading)) {
     fields.push_back(key);
   }
-  fields.push_back(text_field(42113, "nan"));  // GDAL's "no data"
+  fields.insert(fields.end(), samples.fields.begin(), samples.fields.end());
+  std::ranges::sort(fields, {}, &Field::tag);
   std::string directory;
   append_raw(directory, static_cast<uint16_t>(fields.size()));
   for (const Field& one : fields) {
@@ -209,6 +212,36 @@ void write_geotiff(const std::filesystem::path& file, const GeoTiffHeading& head
   output.flush();
   output.overwrite(4, pointer);
   output.close();
+}
+
+}  // namespace
+
+void write_geotiff(const std::filesystem::path& file, const GeoTiffHeading& heading,
+                   const RasterBlock& block) {
+  const std::vector<float> nothing(std::size_t{kRasterBlock} * kRasterBlock,
+                                   std::numeric_limits<float>::quiet_NaN());
+  const auto bytes = std::as_bytes(std::span(nothing));
+  write_raster(file, heading,
+               {.fields = {number_field(258, 32),      // bits
+                           number_field(262, 1),       // more is brighter
+                           number_field(277, 1),       // one number a cell
+                           number_field(339, 3),       // floating point
+                           text_field(42113, "nan")},  // GDAL's "no data"
+                .nothing = {bytes.begin(), bytes.end()}},
+               [&](int64_t column, int64_t row) { return std::as_bytes(block(column, row)); });
+}
+
+void write_color_geotiff(const std::filesystem::path& file, const GeoTiffHeading& heading,
+                         const ColorBlock& block) {
+  constexpr std::size_t kBytes = std::size_t{4} * kRasterBlock * kRasterBlock;
+  write_raster(file, heading,
+               {.fields = {field<uint16_t>(258, kShort, {8, 8, 8, 8}),  // bits
+                           number_field(262, 2),                        // RGB
+                           number_field(277, 4),                        // red, green, blue and
+                           number_field(338, 2),  // opacity that the colours are not multiplied by
+                           field<uint16_t>(339, kShort, {1, 1, 1, 1})},  // unsigned numbers
+                .nothing = std::vector<std::byte>(kBytes)},
+               [&](int64_t column, int64_t row) { return std::as_bytes(block(column, row)); });
 }
 
 }  // namespace adit

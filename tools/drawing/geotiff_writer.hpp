@@ -41,10 +41,17 @@ struct GeoTiffHeading {
 /// The block's cells row by row from the top, kRasterBlock squared of them; empty: no data there.
 using RasterBlock = std::function<std::span<const float>(int64_t column, int64_t row)>;
 
+/// The same of four bytes a cell: red, green, blue and opacity, 0 where nothing is known.
+using ColorBlock = std::function<std::span<const uint8_t>(int64_t column, int64_t row)>;
+
 /// Writes a raster of single precision, packed with deflate, "no data" being NaN. Blocks are asked
 /// for once each, row by row. Same raster, same bytes. Throws OutputError, also where the file
 /// would be larger than the 4 GiB that a TIFF can be.
 void write_geotiff(const std::filesystem::path& file, const GeoTiffHeading& heading,
                    const RasterBlock& block);
+
+/// The same of colours, 8 bits a channel. "No data" is an opacity of 0.
+void write_color_geotiff(const std::filesystem::path& file, const GeoTiffHeading& heading,
+                         const ColorBlock& block);
 
 }  // namespace adit

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <iterator>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -15,6 +16,7 @@
 
 #include "adit/slam/core/text.hpp"
 #include "adit/tools/clouds/las_layout.hpp"
+#include "adit/tools/export/dense_recording.hpp"
 #include "adit/tools/export/export_job.hpp"
 #include "adit/tools/export/export_options.hpp"
 #include "adit/tools/support/fingerprint.hpp"
@@ -39,18 +41,26 @@ constexpr std::string_view kDefault = R"(# What `adit deliver` writes, a [[produ
 #   export  the options of `adit export` that write it, without the map, -o and the coordinates
 #   about   a sentence for whoever gets it
 #   needs   "place": the map has to lie on the Earth; "recording": its recording has to be there;
-#           "content": left out where the map has nothing for it
-# A product whose needs are not met is left out, with a note.
+#           "cameras": that has to have cameras with a calibration; "content": left out where the map
+#           has nothing for it
+# A product whose needs are not met is left out, with a note. So is --colorize where there are no
+# such cameras.
 
 [[product]]
 file = "cloud.copc.laz"
-export = "--cloud copc --classify"
+export = "--cloud copc --classify --colorize"
 about = "The point cloud with an octree: opens at once in QGIS, CloudCompare and Potree, whatever its size; ground is class 2."
 
 [[product]]
 file = "cloud.laz"
-export = "--cloud laz --resolution 0.05 --classify"
+export = "--cloud laz --resolution 0.05 --classify --colorize"
 about = "The point cloud, a point every 5 cm, for programs that read LAZ; ground is class 2."
+
+[[product]]
+file = "orthophoto.tif"
+export = "--raster color --cell 0.1"
+about = "The colours of the surface from above (GeoTIFF), 10 cm a cell; ceilings are left out, so that floors show."
+needs = "cameras"
 
 [[product]]
 file = "height.tif"
@@ -130,9 +140,11 @@ DeliveryProduct parse_product(const TomlTable& table) {
   const std::string needs = table.text("needs").value_or("");
   product.needs_place = needs == "place";
   product.needs_recording = needs == "recording";
+  product.needs_cameras = needs == "cameras";
   product.optional = needs == "content";
-  if (!needs.empty() && !product.needs_place && !product.needs_recording && !product.optional) {
-    table.refuse("needs", "needs is '" + needs + "': place, recording or content");
+  if (!needs.empty() && !product.needs_place && !product.needs_recording &&
+      !product.needs_cameras && !product.optional) {
+    table.refuse("needs", "needs is '" + needs + "': place, recording, cameras or content");
   }
   return product;
 }
@@ -157,6 +169,31 @@ std::string dates_of(const MapDatabase& map) {
   return day(first.stamp) == day(last.stamp)
              ? "Surveyed on " + day(first.stamp) + " (UTC).\n\n"
              : "Surveyed from " + day(first.stamp) + " to " + day(last.stamp) + " (UTC).\n\n";
+}
+
+bool is_orthophoto(const DeliveryProduct& product) {
+  const auto raster = std::ranges::find(product.options, "--raster");
+  return raster != product.options.end() && std::next(raster) != product.options.end() &&
+         *std::next(raster) == "color";
+}
+
+/// What the page says of the colours of clouds; nothing where there are no clouds.
+std::string colors_text(const std::vector<DeliveryProduct>& products) {
+  const auto is_cloud = [](const DeliveryProduct& product) {
+    return std::ranges::any_of(product.options, [](const std::string& word) {
+      return word == "--cloud" || word == "--dense" || word == "--tiles";
+    });
+  };
+  std::string colored;
+  for (const DeliveryProduct& product : products) {
+    if (is_cloud(product) && wants_colors(product)) {
+      colored += (colored.empty() ? "`" : ", `") + product.file + "`";
+    }
+  }
+  return !colored.empty() ? "\nPoints have the colours that cameras saw, in " + colored +
+                                ". Points that no camera saw are black.\n"
+         : std::ranges::any_of(products, is_cloud) ? "\nThe points of the clouds have no colours.\n"
+                                                   : "";
 }
 
 /// How coordinates are chosen for a product.
@@ -206,6 +243,31 @@ std::vector<DeliveryProduct> parse_delivery(std::string_view text, const fs::pat
   return products;
 }
 
+bool wants_colors(const DeliveryProduct& product) {
+  return std::ranges::count(product.options, "--colorize") > 0 || is_orthophoto(product);
+}
+
+DeliveryProduct without_colors(DeliveryProduct product) {
+  std::erase(product.options, "--colorize");
+  return product;
+}
+
+std::string why_no_colors(const MapDatabase& map, const DeliveryPlace& place,
+                          const fs::path& folder) {
+  ExportCommandOptions options;
+  options.map = map.file();
+  options.output = folder;
+  options.recording = place.recording;
+  options.calibration = place.calibration;
+  const ExportJob job{.map = &map, .options = &options, .file = {}};
+  try {
+    static_cast<void>(DenseRecording(job).cameras());
+    return "";
+  } catch (const FileError& error) {
+    return error.what();
+  }
+}
+
 std::vector<std::string> export_words(const DeliveryProduct& product, const DeliveryPlace& place) {
   std::vector<std::string> words = product.options;
   const auto has = [&](std::string_view word) { return std::ranges::count(words, word) > 0; };
@@ -213,8 +275,12 @@ std::vector<std::string> export_words(const DeliveryProduct& product, const Deli
     words.emplace_back(option);
     words.push_back(value);
   };
-  if (place.recording && (has("--dense") || has("intensity"))) {
+  const bool colors = wants_colors(product);
+  if (place.recording && (has("--dense") || has("intensity") || colors)) {
     add("--recording", place.recording->string());
+  }
+  if (place.calibration && colors) {
+    add("--calibration", place.calibration->string());
   }
   const Coordinates kind = coordinates_kind(product);
   if (kind == Coordinates::of_map) {
@@ -373,6 +439,7 @@ std::string delivery_page(const MapDatabase& map, const std::string& system,
     page += fmt::format("| `{}` | {} | {} | {} |\n", product.file, size_text(bytes),
                         coordinates_of_product(product, system), product.about);
   }
+  page += colors_text(products);
   page += fmt::format("\nMade by adit {} of a map of {} keyframes in {} session{}.\n", version(),
                       map.keyframes().size(), map.sessions().size(),
                       map.sessions().size() == 1 ? "" : "s");

@@ -22,6 +22,7 @@ struct DeliveryProduct {
   std::string about{};                 ///< a sentence for whoever gets it
   bool needs_place = false;            ///< a map without a place on the Earth has none
   bool needs_recording = false;        ///< made of the recording that the map is of
+  bool needs_cameras = false;          ///< that recording has cameras whose place is known
   bool optional = false;               ///< left out where the map has nothing for it
 };
 
@@ -39,7 +40,17 @@ struct DeliveryPlace {
   std::optional<std::string> crs{};     ///< "EPSG:25830"
   std::optional<std::filesystem::path> geoid{};
   std::optional<std::filesystem::path> recording{};
+  std::optional<std::filesystem::path> calibration{};  ///< a file of cameras
 };
+
+/// By --colorize, or as an orthophoto.
+bool wants_colors(const DeliveryProduct& product);
+/// The same without --colorize.
+DeliveryProduct without_colors(DeliveryProduct product);
+/// Why the map's points can have no colours: its recording is not there, or has no cameras whose
+/// calibration and place are known. Empty where they can. `folder`: that files are written to.
+std::string why_no_colors(const MapDatabase& map, const DeliveryPlace& place,
+                          const std::filesystem::path& folder);
 
 /// The words of `adit export` for a product: those of the preset, and of the place as far as the
 /// product takes them. Points of a map on the Earth are in one system in all files.

@@ -38,7 +38,7 @@ MapSession only_session(const ExportJob& job) {
   if (sessions.size() != 1) {
     throw InputError(job.options->map, {},
                      "it holds " + std::to_string(sessions.size()) + " sessions",
-                     "A dense cloud is made of a map of one recording");
+                     "Dense clouds and colours are of a map of one recording: adit split");
   }
   return sessions.front();
 }

@@ -3,24 +3,21 @@
 #include "adit/tools/export/export_cloud.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <fmt/core.h>
 
-#include "adit/slam/core/units.hpp"
 #include "adit/tools/clouds/las_writer.hpp"
-#include "adit/tools/coloring/map_coloring.hpp"
 #include "adit/tools/export/cloud_classes.hpp"
+#include "adit/tools/export/cloud_painter.hpp"
 #include "adit/tools/export/dense_recording.hpp"
 #include "adit/tools/map_products/cloud_product.hpp"
 #include "adit/tools/map_products/dense_cloud.hpp"
 #include "adit/tools/map_products/tile_folder.hpp"
 #include "adit/tools/map_products/tiled_cloud.hpp"
 #include "adit/tools/map_products/trajectory_products.hpp"
-#include "adit/tools/setup/device_session.hpp"
 #include "adit/tools/support/progress.hpp"
 
 namespace adit {
@@ -40,74 +37,6 @@ std::string times_of(CloudFormat format, const CloudHeading& heading) {
                               : ", in the recording's own time";
 }
 
-/// What colours the points of a dense cloud, with the device that it works on.
-struct Painter {
-  Painter(const ExportJob& job, const DenseRecording& recording)
-      : cameras(recording.cameras()),
-        device(with_notes(job)),
-        coloring(*job.map, device.context(), cameras, recording.path(), job.moved,
-                 job.memory->submap_bytes()) {}
-
-  static DeviceOptions with_notes(const ExportJob& job) {
-    DeviceOptions wanted = job.options->device;
-    wanted.notes = job.err;
-    return wanted;
-  }
-
-  std::vector<CameraSource> cameras;
-  DeviceSession device;
-  MapColoring coloring;
-};
-
-/// "camera /front/image_raw: turned by 0.97 degrees, images 2 ms late: corrected".
-std::string text_of(const CameraFinding& finding) {
-  if (!finding.determined) {
-    return fmt::format("camera {}: its views share too few surfaces to check its mounting\n",
-                       finding.camera);
-  }
-  return fmt::format(
-      "camera {}: turned by {:.2f} degrees, images {:.0f} ms {}: {}\n", finding.camera,
-      finding.turned() / kDegree, 1e3 * std::abs(finding.late()),
-      finding.late() < 0.0 ? "early" : "late",
-      finding.corrected ? "corrected" : "its images do not agree better then; left as it is");
-}
-
-/// Looks into the cameras' errors and the brightness of their images.
-void prepare(Painter& painter, const ExportJob& job) {
-  std::optional<Progress> progress;
-  const auto update = [&](std::size_t done, std::size_t total) {
-    if (!progress) {
-      progress.emplace(*job.err, progress_style_of_stderr(), "images", total,
-                       Progress::Clock::now(), "views");
-    }
-    progress->update(done, 0);
-    require_within(job);
-  };
-  const bool corrects = !job.options->as_calibrated;
-  for (const CameraFinding& finding : painter.coloring.prepare(corrects, update)) {
-    *job.out << text_of(finding);
-  }
-  if (progress) {
-    progress->finish();
-  }
-}
-
-/// "; 93 % of the points have a colour, by 214 of 600 images of 1 camera".
-std::string text_of(const ColoringCounts& counts, std::size_t cameras) {
-  std::string text = fmt::format("; {:.0f} % of the points have a colour, by {} of {} images of {}",
-                                 100.0 * static_cast<double>(counts.colored) /
-                                     static_cast<double>(std::max<uint64_t>(1, counts.points)),
-                                 counts.views, counts.images,
-                                 cameras == 1 ? "1 camera" : fmt::format("{} cameras", cameras));
-  if (counts.damaged > 0) {
-    text += fmt::format("; {} images are damaged", counts.damaged);
-  }
-  if (counts.other_size > 0) {
-    text += fmt::format("; {} images have another size than their calibration", counts.other_size);
-  }
-  return text;
-}
-
 }  // namespace
 
 std::string export_cloud(const ExportJob& job) {
@@ -120,6 +49,8 @@ std::string export_cloud(const ExportJob& job) {
   CloudHeading heading = heading_of(coordinates);
   heading.classified = classes.any();
   heading.unix_times = has_unix_times(*job.map);
+  heading.colored = options.color;
+  CloudPainter painter(job);
   const std::unique_ptr<CloudProduct> product = make_cloud_product(job.file, format, heading);
   // Of a thinned cloud nobody knows how many pieces it comes in.
   std::optional<Progress> progress;
@@ -129,7 +60,7 @@ std::string export_cloud(const ExportJob& job) {
   }
   std::size_t pieces = 0;
   const TakeCloud take = [&](std::span<const CloudPoint> points) {
-    product->write(filter.pass(points));
+    product->write(painter.painted(filter.pass(points)));
     require_within(job);
     if (progress) {
       progress->update(++pieces, 0);
@@ -145,24 +76,19 @@ std::string export_cloud(const ExportJob& job) {
     progress->finish();
   }
   product->close();
-  return fmt::format("{} points{}{}{}", product->count(), in_coordinates(coordinates),
-                     times_of(format, heading), filter.text());
+  return fmt::format("{} points{}{}{}{}", product->count(), painter.finish(),
+                     in_coordinates(coordinates), times_of(format, heading), filter.text());
 }
 
 std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordinates,
                         const CloudSelection& selection, const TakeCloud& take) {
   const DenseRecording recording(job);
-  std::optional<Painter> painter;
-  if (job.options->color) {
-    painter.emplace(job, recording);
-    prepare(*painter, job);
-  }
+  CloudPainter painter(job, recording);
   Progress progress(*job.err, progress_style_of_stderr(), "export", recording.sweeps());
   std::size_t placed = 0;
   std::string text = recording.visit(
       [&](const Sweep& sweep, const SensorPath::Stretch& path, const MapSweep& in_map) {
         std::vector<CloudPoint> points;
-        std::vector<Eigen::Vector3d> places;
         for (CloudPoint& point : placed_points(sweep, path)) {
           const Eigen::Vector3d p_map = point.position;
           if (selection.is_gone && selection.is_gone(p_map, in_map.session)) {
@@ -175,22 +101,15 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
           point.session = in_map.session;
           if (is_wanted(selection, point)) {
             points.push_back(point);
-            places.push_back(p_map);
           }
         }
-        if (painter) {
-          painter->coloring.color(points, places, path.at(0.0).translation());
-        }
+        painter.paint(points, path.at(0.0).translation());
         take(points);
         progress.update(++placed, 0);
         require_within(job);
       });
   progress.finish();
-  if (painter) {
-    painter->device.require_no_complaints();
-    text += text_of(painter->coloring.counts(), painter->cameras.size());
-  }
-  return text;
+  return text + painter.finish();
 }
 
 std::string export_dense(const ExportJob& job) {
@@ -230,6 +149,8 @@ std::string export_tiles(const ExportJob& job) {
   const CloudClasses classes = find_classes(job, coordinates);
   ClassFilter filter(classes);
   heading.classified = classes.any();
+  heading.colored = options.color;
+  CloudPainter painter(job);
   if (job.file != *options.output) {
     TileFolder::remove(job.file);  // a draft that an interrupted export has left
   }
@@ -241,13 +162,14 @@ std::string export_tiles(const ExportJob& job) {
               job.memory->submap_bytes(),
               [&](const TileNumber& tile, std::span<const CloudPoint> points) {
                 if (const auto kept = filter.pass(points); !kept.empty()) {
-                  folder.write(tile, kept);
+                  folder.write(tile, painter.painted(kept));
                 }
                 require_within(job);
               });
   folder.close(coordinates, job.georeference);
   return fmt::format(
-      "{} points in {} tiles{}{}{}", folder.points(), folder.tiles(), in_coordinates(coordinates),
+      "{} points in {} tiles{}{}{}{}", folder.points(), folder.tiles(), painter.finish(),
+      in_coordinates(coordinates),
       is_las(format) || heading.coordinates.empty() ? "" : " less those of the origin",
       filter.text());
 }

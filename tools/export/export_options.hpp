@@ -22,8 +22,8 @@ struct ExportCommandOptions {
   std::string graph{};                               ///< g2o
   std::string cloud{};                               ///< ply, pcd, las, laz, copc
   std::string dense{};                               ///< ply, pcd, las, laz, copc
-  std::optional<std::filesystem::path> recording{};  ///< for dense; none: that of the map
-  bool color = false;                                ///< of dense: by the images of cameras
+  std::optional<std::filesystem::path> recording{};  ///< for dense, colours; none: that of the map
+  bool color = false;                                ///< of points: by the images of cameras
   std::vector<std::string> cameras{};                ///< topics of images; empty: all
   std::optional<std::filesystem::path> calibration{};  ///< a file of cameras
   bool as_calibrated = false;          ///< cameras' mountings and clocks are not looked into
@@ -47,7 +47,7 @@ struct ExportCommandOptions {
   bool find_moving = false;          ///< by the rays of all submaps, on the device
   bool classify = false;             ///< points of the ground are a class
   std::string clean{};               ///< mark, drop; empty: noise is not looked for
-  std::string raster{};              ///< height, intensity, ground
+  std::string raster{};              ///< height, intensity, ground, color
   bool report = false;               ///< a page for whoever takes delivery
   bool grid = false;                 ///< occupancy grid of ROS map_server
   std::optional<double> cell{};      ///< m, of rasters and grids

@@ -2,16 +2,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/export/export_raster.hpp"
 
+#include <optional>
+
 #include <fmt/core.h>
 
 #include "adit/slam/core/text.hpp"
+#include "adit/tools/export/cloud_painter.hpp"
 #include "adit/tools/export/export_cloud.hpp"
 #include "adit/tools/export/export_contours.hpp"
 #include "adit/tools/map_database/map_trajectory.hpp"
 #include "adit/tools/map_products/cloud_raster.hpp"
+#include "adit/tools/map_products/color_raster.hpp"
 #include "adit/tools/map_products/occupancy_grid.hpp"
+#include "adit/tools/map_products/surface_from_above.hpp"
 #include "adit/tools/map_products/tiled_cloud.hpp"
+#include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -20,6 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kRasterCell = 0.25;          // m
+constexpr double kColorCell = 0.1;            // m: a few pixels of an image that is 10 m away
 constexpr double kGridCell = 0.05;            // m
 constexpr int64_t kMostPixels = 200'000'000;  // of a PNG, which is made in memory
 
@@ -28,6 +36,37 @@ void write_beside(const fs::path& file, const std::string& text) {
   Draft draft(file);
   write_text_file(draft.path(), text);
   draft.take_its_place();
+}
+
+[[noreturn]] void fail_empty(const ExportCommandOptions& options) {
+  throw UsageError("--raster " + options.raster +
+                   ": no point is within what --box, --polygon, --session, --from and --until "
+                   "leave of the map.");
+}
+
+/// A GeoTIFF, or a PNG with its world file. `raster`: a CloudRaster or a ColorRaster.
+void write_raster(const ExportJob& job, const auto& raster, const ProductCoordinates& coordinates) {
+  const fs::path& output = *job.options->output;
+  if (output.extension() != ".png") {
+    raster.write_tiff(job.file, coordinates);
+    return;
+  }
+  const RasterFrame frame = raster.frame();
+  if (frame.columns * frame.rows > kMostPixels) {
+    throw UsageError(
+        fmt::format("-o {}: a PNG of {} x {} pixels is too large. Choose larger cells "
+                    "with --cell, or a GeoTIFF (*.tif).",
+                    output.string(), frame.columns, frame.rows));
+  }
+  write_text_file(job.file, raster.png());
+  write_beside(fs::path(output).replace_extension(".pgw"), world_file(frame));
+}
+
+std::string text_of(const auto& raster, const ProductCoordinates& coordinates) {
+  const RasterFrame frame = raster.frame();
+  return fmt::format("{} x {} cells of {} m, {} with {}{}", frame.columns, frame.rows,
+                     shortest(frame.cell), raster.filled(), raster.kThings,
+                     in_coordinates(coordinates));
 }
 
 }  // namespace
@@ -59,26 +98,43 @@ std::string export_raster(const ExportJob& job) {
     visit_cloud(*job.map, coordinates, selection_of(job, coordinates), take);
   }
   if (raster.empty()) {
-    throw UsageError("--raster " + options.raster +
-                     ": no point is within what --box, --polygon, --session, --from and --until "
-                     "leave of the map.");
+    fail_empty(options);
   }
-  const std::string wrote =
-      fmt::format("{} x {} cells of {} m, {} with points{}", raster.columns(), raster.rows(),
-                  shortest(cell), raster.filled(), in_coordinates(coordinates));
-  if (options.output->extension() != ".png") {
-    raster.write_tiff(job.file, coordinates);
-    return wrote;
+  write_raster(job, raster, coordinates);
+  return text_of(raster, coordinates);
+}
+
+std::string export_orthophoto(const ExportJob& job) {
+  const ProductCoordinates coordinates = coordinates_of(job, true);
+  const CloudSelection selection = selection_of(job, coordinates);
+  CloudPainter painter(job);
+  ColorRaster raster(job.options->cell.value_or(kColorCell));
+  bool any = false;
+  std::optional<Progress> progress;
+  visit_surface_from_above(*job.map, coordinates, selection, raster.frame().cell,
+                           job.memory->submap_bytes(),
+                           [&](const SurfacePart& part, std::size_t done, std::size_t total) {
+                             if (!progress) {
+                               progress.emplace(*job.err, progress_style_of_stderr(), "export",
+                                                total, Progress::Clock::now(), "tiles");
+                             }
+                             any = any || !part.points.empty();
+                             painter.paint(part.points, part.middle);
+                             raster.add(part.points);
+                             progress->update(done, 0);
+                             require_within(job);
+                           });
+  if (!any) {
+    fail_empty(*job.options);
   }
-  if (raster.columns() * raster.rows() > kMostPixels) {
-    throw UsageError(
-        fmt::format("-o {}: a PNG of {} x {} pixels is too large. Choose larger cells "
-                    "with --cell, or a GeoTIFF (*.tif).",
-                    options.output->string(), raster.columns(), raster.rows()));
+  progress->finish();
+  const std::string colored = painter.finish("surface");
+  if (raster.empty()) {
+    throw InputError(job.options->map, {}, "no camera saw the upper side of any surface",
+                     "`adit export --cloud ply --colorize` shows what the cameras saw");
   }
-  write_text_file(job.file, raster.png());
-  write_beside(fs::path(*options.output).replace_extension(".pgw"), raster.world_file());
-  return wrote;
+  write_raster(job, raster, coordinates);
+  return text_of(raster, coordinates) + colored;
 }
 
 std::string export_grid(const ExportJob& job) {

@@ -14,6 +14,9 @@ namespace adit {
 /// world file beside it.
 std::string export_raster(const ExportJob& job);
 
+/// Colours of the surface as it is seen from above, in the same files.
+std::string export_orthophoto(const ExportJob& job);
+
 /// The YAML file that was asked for, and the PGM beside it.
 std::string export_grid(const ExportJob& job);
 

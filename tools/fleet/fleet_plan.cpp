@@ -145,6 +145,7 @@ std::string preset_text(const DeliveryProduct& product) {
                      "\nabout = " + Json(product.about).dump() + "\n";
   const char* const needs = product.needs_place       ? "place"
                             : product.needs_recording ? "recording"
+                            : product.needs_cameras   ? "cameras"
                             : product.optional        ? "content"
                                                       : nullptr;
   return needs == nullptr ? text : text + "needs = \"" + needs + "\"\n";

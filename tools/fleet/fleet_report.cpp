@@ -130,6 +130,9 @@ void report_fleet(const FleetPlan& plan, const fs::path& into) {
     const MapDatabase map(copy, MapAccess::read);
     DeliveryPlace place = plan.place;
     place.on_earth = place.origin || map.georeference();
+    if (!why_no_colors(map, place, into).empty()) {
+      std::ranges::transform(there, there.begin(), without_colors);
+    }
     write_text_file(into / "README.md", delivery_page(map, delivery_system(map, place), there,
                                                       plan.folder / "delivery"));
   }

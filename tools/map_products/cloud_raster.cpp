@@ -6,12 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "adit/slam/core/text.hpp"
-#include "adit/tools/drawing/geotiff_writer.hpp"
 #include "adit/tools/drawing/image_canvas.hpp"
 #include "adit/tools/drawing/png_writer.hpp"
 #include "adit/tools/drawing/svg.hpp"
-#include "adit/tools/support/version.hpp"
 
 namespace adit {
 namespace {
@@ -85,21 +82,7 @@ float CloudRaster::at(int64_t column, int64_t row) const {
 
 void CloudRaster::write_tiff(const std::filesystem::path& file,
                              const ProductCoordinates& coordinates) const {
-  GeoTiffHeading heading{.columns = columns(),
-                         .rows = rows(),
-                         .cell = grid_.size(),
-                         .corner = corner(),
-                         .coordinates = coordinates.name(),
-                         .description = description_of(value_),
-                         .software = "adit " + std::string(version())};
-  if (const std::optional<int> epsg = coordinates.epsg()) {
-    heading.epsg = *epsg;
-  } else if (coordinates.frame() == ProductFrame::local) {
-    const WorldFrame& world = coordinates.world();
-    heading.projection = {.latitude = world.origin().latitude,
-                          .longitude = world.origin().longitude,
-                          .scale = world.scale()};
-  }
+  const GeoTiffHeading heading = geotiff_heading(frame(), coordinates, description_of(value_));
   std::vector<float> cells(std::size_t{kRasterBlock} * kRasterBlock);
   write_geotiff(file, heading, [&](int64_t column, int64_t row) -> std::span<const float> {
     bool any = false;
@@ -148,13 +131,6 @@ std::string CloudRaster::png() const {
     }
   }
   return png_bytes_with_alpha(static_cast<int>(columns()), static_cast<int>(rows()), pixels);
-}
-
-std::string CloudRaster::world_file() const {
-  const double cell = grid_.size();
-  const Eigen::Vector2d middle = corner() + 0.5 * cell * Eigen::Vector2d(1.0, -1.0);
-  return shortest(cell) + "\n0\n0\n" + shortest(-cell) + "\n" + shortest(middle.x()) + "\n" +
-         shortest(middle.y()) + "\n";
 }
 
 }  // namespace adit

@@ -14,6 +14,7 @@
 #include "adit/tools/map_products/cell_grid.hpp"
 #include "adit/tools/map_products/cloud_selection.hpp"
 #include "adit/tools/map_products/product_coordinates.hpp"
+#include "adit/tools/map_products/raster_frame.hpp"
 #include "adit/tools/map_products/tiled_cloud.hpp"
 
 namespace adit {
@@ -28,6 +29,8 @@ enum class RasterValue {
 /// Only parts with points in them take memory. Borders of cells are at multiples of their size.
 class CloudRaster {
  public:
+  static constexpr const char* kThings = "points";  ///< what filled cells have
+
   /// `cell`: m.
   CloudRaster(RasterValue value, double cell) : value_(value), grid_(cell) {}
 
@@ -37,18 +40,18 @@ class CloudRaster {
   bool empty() const { return grid_.empty(); }
   int64_t columns() const { return grid_.columns(); }
   int64_t rows() const { return grid_.rows(); }
-  /// The upper left corner, m.
-  Eigen::Vector2d corner() const;
+  RasterFrame frame() const {
+    return {.columns = columns(), .rows = rows(), .cell = grid_.size(), .corner = corner()};
+  }
   /// NaN where there is no point. Column from the left, row from the top.
   float at(int64_t column, int64_t row) const;
   uint64_t filled() const { return filled_; }
 
   /// A GeoTIFF of 32-bit numbers. Throws OutputError.
   void write_tiff(const std::filesystem::path& file, const ProductCoordinates& coordinates) const;
-  /// A picture, and how it lies as world file: its six numbers. Colours go from the value that 2 %
-  /// are below to that which 2 % are above; clear where there is no point.
+  /// A picture. Colours go from the value that 2 % are below to that which 2 % are above; clear
+  /// where there is no point.
   std::string png() const;
-  std::string world_file() const;
 
  private:
   struct Cell {
@@ -56,6 +59,7 @@ class CloudRaster {
     uint32_t count = 0;
   };
   float value_of(const Cell& cell) const;
+  Eigen::Vector2d corner() const;  // upper left, m
 
   RasterValue value_;
   CellGrid<Cell> grid_;

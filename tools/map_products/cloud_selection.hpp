@@ -24,6 +24,7 @@ class MovedSpace;
 /// A point with what is known of it. Submaps keep neither intensity nor ring: 0.
 struct CloudPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m, in the product's coordinates
+  Eigen::Vector3d in_map = Eigen::Vector3d::Zero();    ///< m, in the map's frame
   /// When it was measured; of a submap's point the stamp of the sweep whose sensor was nearest.
   Nanoseconds time{0};
   float intensity = 0.0F;  ///< the sensor's own scale

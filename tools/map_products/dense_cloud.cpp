@@ -70,8 +70,10 @@ std::vector<CloudPoint> placed_points(const Sweep& sweep, const SensorPath::Stre
       T_map_lidar = path.at(static_cast<double>(time));
       last_time = time;
     }
+    const Eigen::Vector3d p_map = T_map_lidar * Eigen::Vector3d(point.x, point.y, point.z);
     placed.push_back(
-        {.position = T_map_lidar * Eigen::Vector3d(point.x, point.y, point.z),
+        {.position = p_map,
+         .in_map = p_map,
          .time = sweep.stamp + nanoseconds(std::isfinite(time) ? static_cast<double>(time) : 0.0),
          .intensity = point.intensity,
          .ring = sweep.rings.empty() ? uint16_t{0} : sweep.rings[i]});

@@ -73,6 +73,7 @@ std::vector<CloudPoint> points_of_keyframe(const MapKeyframe& keyframe,
       continue;
     }
     CloudPoint point{.position = coordinates.from_map(position),
+                     .in_map = position,
                      .time = time,
                      .keyframe = keyframe.id,
                      .session = keyframe.session,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <utility>
 
 namespace adit {
@@ -41,12 +42,17 @@ CloudCube cube_about(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   return {.low = 0.5 * (low + high) - Eigen::Vector3d::Constant(0.5 * edge), .edge = edge};
 }
 
-std::string tile_message(uint32_t number, std::span<const TilePoint> points) {
+std::string tile_message(uint32_t number, std::span<const TilePoint> points,
+                         std::span<const PointColor> colors) {
   const std::array<uint32_t, 2> head = {number, static_cast<uint32_t>(points.size())};
-  std::string message(sizeof(head) + points.size_bytes(), '\0');
+  std::string message(sizeof(head) + points.size_bytes() + colors.size_bytes(), '\0');
   std::memcpy(message.data(), head.data(), sizeof(head));
   if (!points.empty()) {
     std::memcpy(message.data() + sizeof(head), points.data(), points.size_bytes());
+  }
+  if (!colors.empty()) {
+    std::memcpy(message.data() + sizeof(head) + points.size_bytes(), colors.data(),
+                colors.size_bytes());
   }
   return message;
 }
@@ -58,6 +64,16 @@ std::vector<TilePoint> CloudTiles::read(uint32_t tile) const {
   return points;
 }
 
+std::vector<PointColor> CloudTiles::read_colors(uint32_t tile) const {
+  const CloudTile& wanted = tiles_.at(tile);
+  std::vector<PointColor> colors(colored_ ? wanted.points : 0);
+  if (!colors.empty()) {
+    store_->read(wanted.offset + wanted.points * sizeof(TilePoint),
+                 std::as_writable_bytes(std::span(colors)));
+  }
+  return colors;
+}
+
 CloudTilesMaker::CloudTilesMaker(const CloudCube& cube, std::size_t points_in_memory)
     : points_in_memory_(std::max(points_in_memory, kLeafPoints)),
       first_(std::make_unique<TemporaryFile>()) {
@@ -65,11 +81,13 @@ CloudTilesMaker::CloudTilesMaker(const CloudCube& cube, std::size_t points_in_me
   made_.store_ = std::make_unique<TemporaryFile>();
 }
 
-void CloudTilesMaker::add(const Eigen::Vector3d& position, const TilePointFacts& facts) {
+void CloudTilesMaker::add(const Eigen::Vector3d& position, const TilePointFacts& facts,
+                          const PointColor& color) {
   if (!position.allFinite()) {
     return;
   }
-  CubePoint point{.place = {}, .facts = facts};
+  CubePoint point{.place = {}, .facts = facts, .color = color};
+  made_.colored_ = made_.colored_ || color != PointColor{};
   for (std::size_t k = 0; k < 3; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const double share = (position[i] - made_.cube_.low[i]) / made_.cube_.edge;
@@ -223,6 +241,12 @@ int64_t CloudTilesMaker::store(Tile tile, unsigned level) {
   made_.tiles_.push_back({.points = static_cast<uint32_t>(points.size()), .offset = bytes_});
   stored_children_.push_back(tile.children);
   bytes_ += points.size() * sizeof(TilePoint);
+  if (made_.colored_) {
+    std::vector<PointColor> colors;
+    std::ranges::transform(tile.points, std::back_inserter(colors), &CubePoint::color);
+    made_.store_->write(bytes_, std::as_bytes(std::span(colors)));
+    bytes_ += colors.size() * sizeof(PointColor);
+  }
   made_.points_ += points.size();
   if (progress_) {
     progress_(made_.points_);

@@ -45,12 +45,15 @@ struct TilePointFacts {
   uint8_t flags = 0;
 };
 
+using PointColor = std::array<uint8_t, 3>;  ///< red, green, blue; black: it has none
+
 /// A point in a cube: places count 2^-32 of the edge.
 struct CubePoint {
   std::array<uint32_t, 3> place{};
   TilePointFacts facts{};
+  PointColor color{};
 };
-static_assert(sizeof(CubePoint) == 20);
+static_assert(sizeof(CubePoint) == 24);
 
 /// A point as a page gets it, little-endian: places count 2^-16 of the edge of its tile's cube.
 struct TilePoint {
@@ -60,8 +63,9 @@ struct TilePoint {
 static_assert(sizeof(TilePoint) == 12);
 
 /// What a page gets of a tile: its number and the number of its points (32 bits each), then the
-/// points.
-std::string tile_message(uint32_t number, std::span<const TilePoint> points);
+/// points, and after them the colours of clouds that have some.
+std::string tile_message(uint32_t number, std::span<const TilePoint> points,
+                         std::span<const PointColor> colors = {});
 
 /// The root comes first and is its own parent; every other tile comes after its parent.
 struct CloudTile {
@@ -80,9 +84,15 @@ class CloudTiles {
   /// Throws OutputError (the temporary file), std::out_of_range: no such tile.
   std::vector<TilePoint> read(uint32_t tile) const;
 
+  /// Whether some point has a colour.
+  bool colored() const { return colored_; }
+  /// Those of a tile's points; empty where no point of the cloud has one. Throws as read() does.
+  std::vector<PointColor> read_colors(uint32_t tile) const;
+
  private:
   friend class CloudTilesMaker;
   CloudCube cube_;
+  bool colored_ = false;
   uint64_t points_ = 0;
   std::vector<CloudTile> tiles_;
   std::unique_ptr<TemporaryFile> store_;
@@ -91,13 +101,14 @@ class CloudTiles {
 /// Takes the points of a cloud in any order, then makes the tiles.
 class CloudTilesMaker {
  public:
-  /// `points_in_memory` bounds what is in memory at a time, 20 bytes each, several times over.
+  /// `points_in_memory` bounds what is in memory at a time, 24 bytes each, several times over.
   /// Throws OutputError.
   explicit CloudTilesMaker(const CloudCube& cube, std::size_t points_in_memory = 1'000'000);
 
   /// A point outside of the cube is moved to its side, one that is not finite is left out. Throws
   /// OutputError: the disk is full.
-  void add(const Eigen::Vector3d& position, const TilePointFacts& facts);
+  void add(const Eigen::Vector3d& position, const TilePointFacts& facts,
+           const PointColor& color = {});
   uint64_t added() const { return added_; }
 
   /// Ends the maker. `progress` is called with the number of points that are in tiles. Throws

@@ -94,9 +94,9 @@ ViewFiles files_of(const fs::path& what) {
 
 CloudFile read_any_cloud(const fs::path& file) {
   const std::string extension = extension_of(file);
-  return extension == ".pcd"      ? read_pcd(file)
-         : is_las_file(extension) ? read_las(file, {.longest = kLongestSurvey})
-                                  : read_ply(file);
+  return extension == ".pcd"      ? read_pcd(file, {.colors = true})
+         : is_las_file(extension) ? read_las(file, {.longest = kLongestSurvey, .colors = true})
+                                  : read_ply(file, {.colors = true});
 }
 
 bool is_place(const Point& point) {
@@ -149,11 +149,12 @@ ViewData::ViewData(const ViewDataOptions& options, std::ostream& progress)
   if (files.map.empty()) {
     read_cloud(files.cloud, progress);
   } else {
-    read_map(files.map, progress);
+    read_map(files.map, options, progress);
   }
 }
 
-void ViewData::read_map(const fs::path& file, std::ostream& progress) {
+void ViewData::read_map(const fs::path& file, const ViewDataOptions& options,
+                        std::ostream& progress) {
   map_ = file;
   const MapDatabase map(file, MapAccess::read);
   sweeps_ = sweeps_of(map);
@@ -181,14 +182,16 @@ void ViewData::read_map(const fs::path& file, std::ostream& progress) {
     // The same number for all of them: keyframes beyond 65536 share theirs with the next.
     const auto keyframe = static_cast<uint16_t>(
         keyframes_ <= kKeyframesTold ? read : read * kKeyframesTold / keyframes_);
-    for (const CloudPoint& point : points) {
+    for (const CloudPoint& point : options.paint ? options.paint(points) : points) {
       const std::optional<uint8_t> intensity = seen.at(read, point.position);
       has_intensity = has_intensity || intensity;
-      maker.add(point.position, {.moment = span_.moment_of(point.time),
-                                 .keyframe = keyframe,
-                                 .intensity = intensity.value_or(0),
-                                 .flags = static_cast<uint8_t>((point.moving ? kMoves : 0) |
-                                                               (intensity ? 0 : kNoIntensity))});
+      maker.add(point.position,
+                {.moment = span_.moment_of(point.time),
+                 .keyframe = keyframe,
+                 .intensity = intensity.value_or(0),
+                 .flags = static_cast<uint8_t>((point.moving ? kMoves : 0) |
+                                               (intensity ? 0 : kNoIntensity))},
+                point.color);
     }
     bar.update(++read, 0);
     stop_if_wanted();
@@ -245,7 +248,8 @@ void ViewData::read_cloud(const fs::path& file, std::ostream& progress) {
     const double time = timed && std::isfinite(cloud.sweep.times[i]) ? cloud.sweep.times[i] : 0.0;
     maker.add(Eigen::Vector3d(point.x, point.y, point.z),
               {.moment = timed ? span_.moment_of(nanoseconds(time)) : uint16_t{0},
-               .intensity = brightness_of(point.intensity, brightest)});
+               .intensity = brightness_of(point.intensity, brightest)},
+              cloud.colors.empty() ? PointColor{} : cloud.colors[i]);
   }
   make_tiles(maker, progress);
   make_scene(brightest > 0.0F, {}, progress);
@@ -286,6 +290,7 @@ void ViewData::make_scene(bool has_intensity, const std::vector<MapKeyframe>& ti
                     {"title", title_},
                     {"editable", edit_},
                     {"intensity", has_intensity},
+                    {"colors", tiles_.colored()},
                     {"start_ns", std::to_string(span_.first.count())},
                     {"seconds", seconds(span_.last - span_.first)},
                     {"points", tiles_.points()},
@@ -306,7 +311,7 @@ std::string ViewData::tile(uint32_t number) const {
   if (number >= tiles_.tiles().size()) {
     return {};
   }
-  return tile_message(number, tiles_.read(number));
+  return tile_message(number, tiles_.read(number), tiles_.read_colors(number));
 }
 
 std::shared_ptr<FoxgloveFeed> ViewData::foxglove() {

@@ -10,12 +10,14 @@
 #include <iosfwd>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "adit/tools/map_edits/loop_addition.hpp"
 #include "adit/tools/map_edits/loop_change.hpp"
+#include "adit/tools/map_products/cloud_selection.hpp"
 #include "adit/tools/viewer/cloud_tiles.hpp"
 #include "adit/tools/viewer/foxglove_feed.hpp"
 #include "adit/tools/viewer/view_graph.hpp"
@@ -29,6 +31,8 @@ struct ViewDataOptions {
   /// Lays the truth over the map, also after an edit; empty: it is not known. What it throws is
   /// thrown.
   std::function<ViewTruth(const MapDatabase&)> truth{};
+  /// Gives the points of a keyframe their colours; empty: a map's points have none.
+  std::function<std::span<const CloudPoint>(std::span<const CloudPoint>)> paint{};
   std::function<bool()> stop{};  ///< asked while it is read: true ends that; empty: nothing does
 };
 
@@ -78,7 +82,8 @@ class ViewData {
   void must_edit() const;
   LoopChange shown(LoopChange changed);
   std::string graph_text(const MapDatabase& map) const;
-  void read_map(const std::filesystem::path& file, std::ostream& progress);
+  void read_map(const std::filesystem::path& file, const ViewDataOptions& options,
+                std::ostream& progress);
   void read_cloud(const std::filesystem::path& file, std::ostream& progress);
   void make_tiles(CloudTilesMaker& maker, std::ostream& progress);
   void make_scene(bool has_intensity, const std::vector<MapKeyframe>& tiled,

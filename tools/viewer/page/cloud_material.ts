@@ -6,7 +6,7 @@ import { DataTexture, FloatType, GLSL3, RawShaderMaterial, RedFormat, RGBAFormat
 import { colour, rampTexture, SERIES } from './palette';
 import { METRES } from './spacing';
 
-export const COLOURS = ['height', 'intensity', 'time', 'keyframe', 'session', 'moving', 'sigma', 'error'] as const;
+export const COLOURS = ['height', 'intensity', 'time', 'keyframe', 'session', 'moving', 'sigma', 'error', 'camera'] as const;
 export type ColourBy = (typeof COLOURS)[number];
 
 const CLOSE = 0.012;        // m: points near to the eye are drawn as large as this for each pixel of their size
@@ -21,6 +21,7 @@ precision highp sampler2D;
 in vec3 place;
 in vec3 facts;
 in float spacing;
+in vec3 own;
 uniform mat4 modelMatrix, viewMatrix, projectionMatrix;
 uniform sampler2D corrections;
 uniform bool corrected;
@@ -87,6 +88,8 @@ void main() {
     shade = series[int(255.0 * ofKeyframe(sessions, facts.y) + 0.5)];
   } else if (colourBy == 5) {
     shade = series[moving ? 1 : 0];
+  } else if (colourBy == 8) {
+    shade = own == vec3(0.0) ? vec3(0.6) : own;  // no camera saw it
   } else {
     float share = colourBy == 0 ? (p.z - heights.x) / (heights.y - heights.x)
         : colourBy == 1 ? intensity / 255.0 : colourBy == 2 ? facts.x / 65535.0 : ofKeyframe(values, facts.y) * (255.0 / 254.0);

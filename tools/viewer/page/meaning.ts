@@ -27,5 +27,6 @@ export function meaningOf(state: ViewState, scene: Scene, cloud: ShownCloud, gra
     case 'sigma':
     case 'error': return graph ? ramp('0', `${valuesOf(graph, by).most.toFixed(3)} m`) : named([]);
     case 'keyframe': return named([]);
+    case 'camera': return named([['no camera saw it', '#999999']]);
   }
 }

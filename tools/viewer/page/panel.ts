@@ -8,6 +8,7 @@ import { LAYERS, type Layer } from './graph_layer';
 import { RAMP, SERIES, theme } from './palette';
 import type { Legend } from './picture';
 import type { Graph, Scene } from './protocol';
+import { colourOf } from './shown_keyframes';
 import type { ViewState } from './view_state';
 
 export interface Actions {
@@ -44,6 +45,7 @@ export class Panel {
   private key: [string, string][] = [];
   private readonly boxes = new Map<Layer, HTMLInputElement>();
   private offered = '';
+  private colour: ColourBy = 'height';  // where the state has none
 
   constructor(private readonly state: ViewState, private readonly actions: Actions) {
     const on = (id: string, event: string, take: () => void): void =>
@@ -84,10 +86,12 @@ export class Panel {
       truth: !!graph?.truth,
     };
     element('export').hidden = !scene.map;
+    this.colour = colourOf(this.state, scene, graph);
     const options = [...select('colour').options];
     const intensity = options.find((one) => one.value === 'intensity')!;
     intensity.disabled = !scene.intensity;
     intensity.text = scene.intensity ? 'intensity' : 'intensity (has none)';
+    options.find((one) => one.value === 'camera')!.disabled = !scene.colors;
     options.find((one) => one.value === 'time')!.disabled = !(scene.seconds > 0);
     const hasKeyframes = !!graph?.keyframes.id.length && !scene.live;
     for (const by of ['keyframe', 'moving']) options.find((one) => one.value === by)!.disabled = !hasKeyframes;
@@ -116,7 +120,7 @@ export class Panel {
 
   /** The controls say what the state is. */
   show(): void {
-    select('colour').value = this.state.colour;
+    select('colour').value = this.state.colour ?? this.colour;
     input('size').value = String(this.state.size);
     input('shading').checked = this.state.shading;
     input('moving').checked = this.state.moving;
@@ -128,7 +132,7 @@ export class Panel {
   legendOf(title: string): Legend {
     const shown = [...this.boxes].filter(([, box]) => box.checked);
     const key = this.key.map(([name, hex]): [string, string] => [this.state.colour === 'session' ? `session ${name}` : name, hex]);
-    return { title, ramp: this.ramp && { name: this.state.colour, ...this.ramp },
+    return { title, ramp: this.ramp && { name: this.state.colour ?? this.colour, ...this.ramp },
       swatches: [...key, ...shown.map(([layer]): [string, string] => [NAMES[layer], this.markOf(layer)])] };
   }
 

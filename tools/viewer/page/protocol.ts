@@ -31,6 +31,7 @@ export interface Scene {
   title: string;
   editable: boolean;
   intensity: boolean;        // points have one
+  colors?: boolean;          // points have the colours of cameras; none: they have not
   start_ns: string;          // UNIX time or the recording's own, of second 0
   seconds: number;
   points: number;
@@ -118,11 +119,14 @@ export interface Place { type: 'place'; p: number[]; world: PlaceOnEarth | null;
 export interface Told { type: 'told'; problem: boolean; text: string; }
 
 /** Places and facts of a tile's points, six numbers of 16 bits each: x, y, z, moment, keyframe, and
-    intensity with 256 added for what has moved, and 512 where no intensity is known. */
-export interface TilePoints { number: number; count: number; values: Uint16Array; }
+    intensity with 256 added for what has moved, and 512 where no intensity is known. Then red, green and blue of each
+    point, where the cloud has colours; black: no camera saw it. */
+export interface TilePoints { number: number; count: number; values: Uint16Array; colours: Uint8Array | null; }
 export const POINT = 6;
 
 export function tilePoints(message: ArrayBuffer): TilePoints {
   const [number, count] = new Uint32Array(message, 0, 2);
-  return { number, count, values: new Uint16Array(message, 8, POINT * count) };
+  const end = 8 + 2 * POINT * count;
+  return { number, count, values: new Uint16Array(message, 8, POINT * count),
+    colours: message.byteLength > end ? new Uint8Array(message, end, 3 * count) : null };
 }

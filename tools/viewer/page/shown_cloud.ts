@@ -54,6 +54,7 @@ export function pointsOf(tile: TilePoints, look: CloudMaterial, matrix: Matrix4,
   geometry.setAttribute('place', new InterleavedBufferAttribute(buffer, 3, 0));
   geometry.setAttribute('facts', new InterleavedBufferAttribute(buffer, 3, 3));
   geometry.setAttribute('spacing', new BufferAttribute(spacing, 1));
+  if (tile.colours) geometry.setAttribute('own', new BufferAttribute(tile.colours, 3, true));
   geometry.setDrawRange(0, tile.count);
   geometry.boundingSphere = new Sphere(new Vector3(), Infinity);
   const points = new Points(geometry, look.material);

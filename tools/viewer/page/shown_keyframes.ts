@@ -4,6 +4,7 @@
 // Which keyframes' points are shown, and where: all as the map has them, or a loop's later one laid over its earlier one.
 import { Quaternion, Vector3, type Matrix4 } from 'three';
 import { poseMatrix } from './cloud';
+import type { ColourBy } from './cloud_material';
 import { POSE, type Graph, type Loop, type Poses, type Scene } from './protocol';
 import type { ShownCloud } from './shown_cloud';
 import type { Overlay, ViewState } from './view_state';
@@ -14,12 +15,12 @@ export function overlaidLoop(graph: Graph, state: ViewState): Loop | null {
   return loop && loop.from >= 0 && loop.to >= 0 ? loop : null;
 }
 
-/** What points can be coloured by: the state's wish, or by height where that is not known. */
-export function colourOf(state: ViewState, scene: Scene, graph: Graph | null): ViewState['colour'] {
+/** What points can be coloured by: the state's wish, or where that is not known by cameras, else by height. */
+export function colourOf(state: ViewState, scene: Scene, graph: Graph | null): ColourBy {
   if (scene.live && state.colour !== 'intensity') return 'height';  // what else there is, the result knows
   const has = state.colour === 'intensity' ? scene.intensity : state.colour === 'error' ? !!graph?.truth
-    : state.colour === 'sigma' ? !!graph?.keyframes.covariance.some((v) => v > 0) : true;
-  return has ? state.colour : 'height';
+    : state.colour === 'sigma' ? !!graph?.keyframes.covariance.some((v) => v > 0) : state.colour === 'camera' ? !!scene.colors : true;
+  return has && state.colour ? state.colour : scene.colors ? 'camera' : 'height';
 }
 
 export function showKeyframes(cloud: ShownCloud, graph: Graph, state: ViewState): void {

@@ -16,7 +16,7 @@ export interface Overlaid { loop: number; by: Overlay; }
 export interface ViewState {
   /** x, y, z of what is looked at (map frame, m), distance (m), yaw, pitch (rad); null: the whole map. */
   eye: number[] | null;
-  colour: ColourBy;
+  colour: ColourBy | null;  // null: those of cameras where there are some, else by height
   size: number;             // pixels
   shading: boolean;
   moving: boolean;
@@ -30,14 +30,14 @@ export interface ViewState {
   overlaid: Overlaid | null;
 }
 
-export const BEGIN: ViewState = { eye: null, colour: 'height', size: 2, shading: true, moving: true,
+export const BEGIN: ViewState = { eye: null, colour: null, size: 2, shading: true, moving: true,
   layers: ['trajectory', 'loops', 'fixes'], box: null, time: null, grow: false, plots: ['overlap', 'sigma'], only: null, overlaid: null };
 
 export function toHash(state: ViewState): string {
   const parts = new URLSearchParams();
   const list = (values: number[], digits: number): string => values.map((v) => Number(v.toFixed(digits))).join(',');
   if (state.eye) parts.set('eye', list(state.eye, 3));
-  if (state.colour !== BEGIN.colour) parts.set('colour', state.colour);
+  if (state.colour) parts.set('colour', state.colour);
   if (state.size !== BEGIN.size) parts.set('size', String(state.size));
   if (!state.shading) parts.set('shading', '0');
   if (!state.moving) parts.set('moving', '0');
