@@ -6,6 +6,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <new>
@@ -47,6 +48,30 @@ Field text_field(uint16_t tag, const std::string& value) {
           .type = kAscii,
           .count = static_cast<uint32_t>(value.size() + 1),
           .bytes = value + std::string(1, '\0')};
+}
+
+/// The same number for each band.
+Field band_field(uint16_t tag, uint16_t value, std::size_t bands) {
+  Field made{.tag = tag, .type = kShort, .count = static_cast<uint32_t>(bands), .bytes = {}};
+  for (std::size_t i = 0; i < bands; ++i) {
+    append_raw(made.bytes, value);
+  }
+  return made;
+}
+
+/// Names and units of bands as GDAL keeps them.
+std::string metadata_of(const std::vector<RasterBand>& bands) {
+  std::string text = "<GDALMetadata>\n";
+  const auto item = [&](std::size_t band, const char* name, const char* role,
+                        const std::string& value) {
+    text += std::string("  <Item name=\"") + name + "\" sample=\"" + std::to_string(band) +
+            "\" role=\"" + role + "\">" + value + "</Item>\n";
+  };
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    item(i, "DESCRIPTION", "description", bands[i].name);
+    item(i, "UNITTYPE", "unittype", bands[i].unit);
+  }
+  return text + "</GDALMetadata>\n";
 }
 
 std::string deflated(std::span<const float> cells) {
@@ -161,34 +186,43 @@ void write_geotiff(const std::filesystem::path& file, const GeoTiffHeading& head
   const uint32_t empty_at = take(empty);
   std::string offsets;
   std::string sizes;
-  for (int64_t row = 0; row < down; ++row) {
-    for (int64_t column = 0; column < across; ++column) {
-      const std::span<const float> cells = block(column, row);
-      const std::string packed = cells.empty() ? empty : deflated(cells);
-      append_raw(offsets, cells.empty() ? empty_at : take(packed));
-      append_raw(sizes, static_cast<uint32_t>(packed.size()));
+  const std::size_t bands = std::max<std::size_t>(1, heading.bands.size());
+  for (std::size_t band = 0; band < bands; ++band) {
+    for (int64_t row = 0; row < down; ++row) {
+      for (int64_t column = 0; column < across; ++column) {
+        const std::span<const float> cells = block(band, column, row);
+        const std::string packed = cells.empty() ? empty : deflated(cells);
+        append_raw(offsets, cells.empty() ? empty_at : take(packed));
+        append_raw(sizes, static_cast<uint32_t>(packed.size()));
+      }
     }
   }
-  const auto blocks = static_cast<uint32_t>(across * down);
+  const auto blocks = static_cast<uint32_t>(bands) * static_cast<uint32_t>(across * down);
   std::vector<Field> fields = {
       field<uint32_t>(256, kLong, {static_cast<uint32_t>(heading.columns)}),
       field<uint32_t>(257, kLong, {static_cast<uint32_t>(heading.rows)}),
-      number_field(258, 32),  // bits
-      number_field(259, 8),   // Adobe deflate
-      number_field(262, 1),   // more is brighter
+      band_field(258, 32, bands),  // bits
+      number_field(259, 8),        // Adobe deflate
+      number_field(262, 1),        // more is brighter
       text_field(270, heading.description),
-      number_field(277, 1),  // of one number a cell
-      number_field(284, 1),
+      number_field(277, static_cast<uint16_t>(bands)),  // numbers a cell
+      number_field(284, bands == 1 ? 1 : 2),            // each band by itself
       text_field(305, heading.software),
       number_field(322, kRasterBlock),
       number_field(323, kRasterBlock),
       {.tag = 324, .type = kLong, .count = blocks, .bytes = offsets},
       {.tag = 325, .type = kLong, .count = blocks, .bytes = sizes},
-      number_field(339, 3),  // floating point
+      band_field(339, 3, bands),  // floating point
       field<double>(33550, kDouble, {heading.cell, heading.cell, 0.0}),
       field<double>(33922, kDouble, {0.0, 0.0, 0.0, heading.corner.x(), heading.corner.y(), 0.0})};
+  if (bands > 1) {  // bands besides the first are no colours
+    fields.insert(fields.end() - 3, band_field(338, 0, bands - 1));
+  }
   for (const Field& key : keys_of(heading)) {
     fields.push_back(key);
+  }
+  if (!heading.bands.empty()) {
+    fields.push_back(text_field(42112, metadata_of(heading.bands)));
   }
   fields.push_back(text_field(42113, "nan"));  // GDAL's "no data"
   std::string directory;

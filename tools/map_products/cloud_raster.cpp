@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "adit/slam/core/text.hpp"
-#include "adit/tools/drawing/geotiff_writer.hpp"
 #include "adit/tools/drawing/image_canvas.hpp"
 #include "adit/tools/drawing/png_writer.hpp"
 #include "adit/tools/drawing/svg.hpp"
@@ -40,6 +39,20 @@ const char* description_of(RasterValue value) {
 }
 
 }  // namespace
+
+GeoTiffHeading raster_heading(const ProductCoordinates& coordinates) {
+  GeoTiffHeading heading{.coordinates = coordinates.name(),
+                         .software = "adit " + std::string(version())};
+  if (const std::optional<int> epsg = coordinates.epsg()) {
+    heading.epsg = *epsg;
+  } else if (coordinates.frame() == ProductFrame::local) {
+    const WorldFrame& world = coordinates.world();
+    heading.projection = {.latitude = world.origin().latitude,
+                          .longitude = world.origin().longitude,
+                          .scale = world.scale()};
+  }
+  return heading;
+}
 
 void CloudRaster::add(std::span<const CloudPoint> points) {
   for (const CloudPoint& point : points) {
@@ -85,35 +98,27 @@ float CloudRaster::at(int64_t column, int64_t row) const {
 
 void CloudRaster::write_tiff(const std::filesystem::path& file,
                              const ProductCoordinates& coordinates) const {
-  GeoTiffHeading heading{.columns = columns(),
-                         .rows = rows(),
-                         .cell = grid_.size(),
-                         .corner = corner(),
-                         .coordinates = coordinates.name(),
-                         .description = description_of(value_),
-                         .software = "adit " + std::string(version())};
-  if (const std::optional<int> epsg = coordinates.epsg()) {
-    heading.epsg = *epsg;
-  } else if (coordinates.frame() == ProductFrame::local) {
-    const WorldFrame& world = coordinates.world();
-    heading.projection = {.latitude = world.origin().latitude,
-                          .longitude = world.origin().longitude,
-                          .scale = world.scale()};
-  }
+  GeoTiffHeading heading = raster_heading(coordinates);
+  heading.columns = columns();
+  heading.rows = rows();
+  heading.cell = grid_.size();
+  heading.corner = corner();
+  heading.description = description_of(value_);
   std::vector<float> cells(std::size_t{kRasterBlock} * kRasterBlock);
-  write_geotiff(file, heading, [&](int64_t column, int64_t row) -> std::span<const float> {
-    bool any = false;
-    for (int64_t y = 0; y < kRasterBlock; ++y) {
-      for (int64_t x = 0; x < kRasterBlock; ++x) {
-        const int64_t c = column * kRasterBlock + x;
-        const int64_t r = row * kRasterBlock + y;
-        const float value = c < columns() && r < rows() ? at(c, r) : kNothing;
-        cells[static_cast<std::size_t>(y * kRasterBlock + x)] = value;
-        any = any || !std::isnan(value);
-      }
-    }
-    return any ? std::span<const float>(cells) : std::span<const float>();
-  });
+  write_geotiff(file, heading,
+                [&](std::size_t, int64_t column, int64_t row) -> std::span<const float> {
+                  bool any = false;
+                  for (int64_t y = 0; y < kRasterBlock; ++y) {
+                    for (int64_t x = 0; x < kRasterBlock; ++x) {
+                      const int64_t c = column * kRasterBlock + x;
+                      const int64_t r = row * kRasterBlock + y;
+                      const float value = c < columns() && r < rows() ? at(c, r) : kNothing;
+                      cells[static_cast<std::size_t>(y * kRasterBlock + x)] = value;
+                      any = any || !std::isnan(value);
+                    }
+                  }
+                  return any ? std::span<const float>(cells) : std::span<const float>();
+                });
 }
 
 std::string CloudRaster::png() const {

@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "adit/tools/drawing/geotiff_writer.hpp"
 #include "adit/tools/map_products/cell_grid.hpp"
 #include "adit/tools/map_products/cloud_selection.hpp"
 #include "adit/tools/map_products/product_coordinates.hpp"
@@ -24,6 +25,9 @@ enum class RasterValue {
   points,     ///< how many there are
   ground,     ///< m, of the points that are given: those of the ground
 };
+
+/// A heading whose coordinates are set, and nothing else.
+GeoTiffHeading raster_heading(const ProductCoordinates& coordinates);
 
 /// Only parts with points in them take memory. Borders of cells are at multiples of their size.
 class CloudRaster {
