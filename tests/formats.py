@@ -40,6 +40,8 @@ COMMANDS = {
     "adit plan --json": [["plan", "fleet.toml", "-o", "plan", "--json"]],
     "adit split --json": [["split", "merged.adit", "--session", "2", "-o", "split.adit", "--json"]],
     "adit changes --json": [["changes", "merged.adit", "--json"]],
+    "adit volume --json": [["volume", "merged.adit", "--json"],
+                           ["volume", "one", "--above", "surroundings", "--box=-1,-1,1,1", "--json"]],
     "adit devices --json": [["devices", "--json"]],
 }
 SCHEMAS = PAGE.parent / "schemas"

@@ -231,7 +231,7 @@ TEST_F(PlanExport, TheGroundHasContoursAndARaster) {
   const Ran flat = exported({.contours = 0.5}, "contours.dxf");
   EXPECT_EQ(flat.code, 2) << flat.out;
   EXPECT_NE(flat.err.find("the ground reaches no multiple of it"), std::string::npos) << flat.err;
-  refuses({.contours = 0.5}, "p.svg", "contour lines are DXF files");
+  refuses({.contours = 0.5}, "p.svg", "contour lines are DXF, GeoJSON or GeoPackage files");
   refuses({.from = 1e6, .contours = 0.5}, "p.dxf", "no ground was seen");
 }
 

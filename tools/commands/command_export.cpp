@@ -21,6 +21,7 @@
 #include "adit/tools/commands/export_plan_options.hpp"
 #include "adit/tools/export/export_cloud.hpp"
 #include "adit/tools/export/export_contours.hpp"
+#include "adit/tools/export/export_elevation.hpp"
 #include "adit/tools/export/export_job.hpp"
 #include "adit/tools/export/export_plan.hpp"
 #include "adit/tools/export/export_poses.hpp"
@@ -155,7 +156,8 @@ void check_rasters(const ExportCommandOptions& options) {
   }
   if (options.cell && options.raster.empty() && !options.grid && !is_plan_raster(options) &&
       !options.contours) {
-    throw UsageError("--cell needs --raster, --grid, --contours, or a plan as GeoTIFF.");
+    throw UsageError(
+        "--cell needs --raster, --elevation, --grid, --contours, or a plan as GeoTIFF.");
   }
   if (options.cell && !(*options.cell >= 0.005 && *options.cell <= 1e3)) {
     throw UsageError("--cell: must be between 0.005 and 1000 m.");
@@ -182,7 +184,7 @@ void check_inputs(const ExportCommandOptions& options) {
 }
 
 void check_options(const ExportCommandOptions& options) {
-  const std::array<bool, 13> wanted = {!options.trajectory.empty(),
+  const std::array<bool, 14> wanted = {!options.trajectory.empty(),
                                        !options.graph.empty(),
                                        !options.cloud.empty() || options.tiles.has_value(),
                                        !options.dense.empty(),
@@ -192,13 +194,15 @@ void check_options(const ExportCommandOptions& options) {
                                        !options.section.empty(),
                                        options.plan,
                                        options.contours.has_value(),
+                                       options.elevation,
                                        options.report,
                                        options.picture,
                                        options.dump};
   if (std::ranges::count(wanted, true) != 1) {
     throw UsageError(
         "say what to export: one of --trajectory, --graph, --cloud, --dense, --tiles, --raster, "
-        "--grid, --slice, --section, --plan, --contours, --report, --picture and --dump.");
+        "--elevation, --grid, --slice, --section, --plan, --contours, --report, --picture and "
+        "--dump.");
   }
   if (!options.dump && !options.output) {
     throw UsageError("say where to: -o FILE.");
@@ -279,9 +283,10 @@ std::string write(const ExportJob& job) {
     return export_report(job);
   }
   if (is_plan(options)) {
-    return options.plan       ? export_plan(job)
-           : options.contours ? export_contours(job)
-                              : export_slice(job);
+    return options.plan        ? export_plan(job)
+           : options.contours  ? export_contours(job)
+           : options.elevation ? export_elevation(job)
+                               : export_slice(job);
   }
   return options.tiles ? export_tiles(job) : export_cloud(job);
 }
@@ -364,6 +369,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
       "  adit export out --raster color -o orthophoto.tif\n"
       "  adit export out --tiles 20 -o autoware\n"
       "  adit export out --raster height --cell 0.5 -o height.tif\n"
+      "  adit export out --elevation -o elevation.tif\n"
       "  adit export out --grid -o grid.yaml\n"
       "  adit export out --plan -o plan.dxf\n"
       "  adit export out --report -o report.html\n"
@@ -415,9 +421,10 @@ void add_export_command(Command app, std::function<void(int)> done) {
                "Occupancy grid of ROS map_server: a YAML file, and its PGM beside it");
   add_plan_options(command, *options);
   command
-      .option("--cell", options->cell,
-              "Size of cells (m); 0.25 of rasters, 0.1 of --raster color, 0.05 of grids and plans, "
-              "0.5 of contours")
+      .option(
+          "--cell", options->cell,
+          "Size of cells (m); 0.25 of rasters and elevation maps, 0.1 of --raster color, 0.05 of "
+          "grids and plans, 0.5 of contours")
       .value_name("M");
   command.flag("--report", options->report,
                "A page to print: coordinates, coverage, loops, warnings, a picture, versions");

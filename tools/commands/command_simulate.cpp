@@ -14,6 +14,7 @@
 
 #include <fmt/core.h>
 
+#include "adit/slam/core/text.hpp"
 #include "adit/tools/cli/command_guard.hpp"
 #include "adit/tools/cli/command_line.hpp"
 #include "adit/tools/simulator/faults.hpp"
@@ -166,6 +167,10 @@ int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std
   }
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.quiet) {
+    for (const HeapOptions& heap : options.heaps) {
+      out << fmt::format("heap      {:.4f} m3 at {}, {}\n", volume_of(heap), shortest(heap.at.x()),
+                         shortest(heap.at.y()));
+    }
     const SimulationFiles files(options.output);
     out << summary_text(options, summary, elapsed.count()) << "wrote     "
         << files.recording.string() << "\n          " << files.trajectory.string()

@@ -8,7 +8,7 @@ namespace adit {
 
 bool is_plan(const ExportCommandOptions& options) {
   return !options.slice.empty() || !options.section.empty() || options.plan ||
-         options.contours.has_value();
+         options.contours.has_value() || options.elevation;
 }
 
 bool is_plan_raster(const ExportCommandOptions& options) {
@@ -22,8 +22,19 @@ void check_plan_options(const ExportCommandOptions& options) {
   }
   const std::string end = options.output->extension().string();
   const std::string name = "-o " + options.output->string();
-  if (options.contours && end != ".dxf") {
-    throw UsageError(name + ": contour lines are DXF files; name it *.dxf.");
+  if (options.elevation) {
+    if (!is_plan_raster(options)) {
+      throw UsageError(name + ": an elevation map is a GeoTIFF; name it *.tif.");
+    }
+    return;
+  }
+  if (options.contours) {
+    if (end != ".dxf" && end != ".geojson" && end != ".gpkg") {
+      throw UsageError(name +
+                       ": contour lines are DXF, GeoJSON or GeoPackage files; name it *.dxf, "
+                       "*.geojson or *.gpkg.");
+    }
+    return;
   }
   if (!options.section.empty() && is_plan_raster(options)) {
     throw UsageError(name +
@@ -53,9 +64,13 @@ void add_plan_options(const Command& command, ExportCommandOptions& options) {
                "FILE_1 and so on, from the lowest");
   command
       .option("--contours", options.contours,
-              "Contour lines of the ground, so many metres apart in height, as DXF")
+              "Contour lines of the ground, so many metres apart in height: DXF, GeoJSON or "
+              "GeoPackage by FILE's end")
       .from(0.01, 1000.0)
       .value_name("STEP");
+  command.flag("--elevation", options.elevation,
+               "Elevation map for robots as GeoTIFF: height of the ground, its variance, slope, "
+               "roughness, steps, and what stands on it");
 }
 
 }  // namespace adit

@@ -42,6 +42,7 @@
 #include "adit/tools/commands/command_simulate.hpp"
 #include "adit/tools/commands/command_split.hpp"
 #include "adit/tools/commands/command_view.hpp"
+#include "adit/tools/commands/command_volume.hpp"
 #include "adit/tools/support/commit.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/version.hpp"
@@ -140,6 +141,7 @@ int parse_and_run(std::span<const char* const> given, std::span<const AddCommand
   add_plan_command(app, done);
   add_shard_command(app, done);
   add_changes_command(app, done);
+  add_volume_command(app, done);
   add_devices_command(app, done);
   add_config_command(app, done);
   add_generate_command(

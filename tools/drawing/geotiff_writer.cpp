@@ -51,6 +51,30 @@ Field text_field(uint16_t tag, const std::string& value) {
           .bytes = value + std::string(1, '\0')};
 }
 
+/// The same number for each band.
+Field band_field(uint16_t tag, uint16_t value, std::size_t bands) {
+  Field made{.tag = tag, .type = kShort, .count = static_cast<uint32_t>(bands), .bytes = {}};
+  for (std::size_t i = 0; i < bands; ++i) {
+    append_raw(made.bytes, value);
+  }
+  return made;
+}
+
+/// Names and units of bands as GDAL keeps them.
+std::string metadata_of(const std::vector<RasterBand>& bands) {
+  std::string text = "<GDALMetadata>\n";
+  const auto item = [&](std::size_t band, const char* name, const char* role,
+                        const std::string& value) {
+    text += std::string("  <Item name=\"") + name + "\" sample=\"" + std::to_string(band) +
+            "\" role=\"" + role + "\">" + value + "</Item>\n";
+  };
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    item(i, "DESCRIPTION", "description", bands[i].name);
+    item(i, "UNITTYPE", "unittype", bands[i].unit);
+  }
+  return text + "</GDALMetadata>\n";
+}
+
 std::string deflated(std::span<const std::byte> bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::string packed(size, '\0');
@@ -133,10 +157,12 @@ std::vector<Field> keys_of(const GeoTiffHeading& heading) {
 struct Samples {
   std::vector<Field> fields{};       ///< that say so, and what "no data" is
   std::vector<std::byte> nothing{};  ///< a block without data
+  std::size_t planes = 1;            ///< each with blocks of its own
 };
 
 /// A block's bytes; empty: no data there.
-using ByteBlock = std::function<std::span<const std::byte>(int64_t column, int64_t row)>;
+using ByteBlock =
+    std::function<std::span<const std::byte>(std::size_t plane, int64_t column, int64_t row)>;
 
 void write_raster(const std::filesystem::path& file, const GeoTiffHeading& heading,
                   const Samples& samples, const ByteBlock& block) {
@@ -167,21 +193,23 @@ void write_raster(const std::filesystem::path& file, const GeoTiffHeading& headi
   const uint32_t empty_at = take(empty);
   std::string offsets;
   std::string sizes;
-  for (int64_t row = 0; row < down; ++row) {
-    for (int64_t column = 0; column < across; ++column) {
-      const std::span<const std::byte> cells = block(column, row);
-      const std::string packed = cells.empty() ? empty : deflated(cells);
-      append_raw(offsets, cells.empty() ? empty_at : take(packed));
-      append_raw(sizes, static_cast<uint32_t>(packed.size()));
+  for (std::size_t plane = 0; plane < samples.planes; ++plane) {
+    for (int64_t row = 0; row < down; ++row) {
+      for (int64_t column = 0; column < across; ++column) {
+        const std::span<const std::byte> cells = block(plane, column, row);
+        const std::string packed = cells.empty() ? empty : deflated(cells);
+        append_raw(offsets, cells.empty() ? empty_at : take(packed));
+        append_raw(sizes, static_cast<uint32_t>(packed.size()));
+      }
     }
   }
-  const auto blocks = static_cast<uint32_t>(across * down);
+  const auto blocks = static_cast<uint32_t>(samples.planes) * static_cast<uint32_t>(across * down);
   std::vector<Field> fields = {
       field<uint32_t>(256, kLong, {static_cast<uint32_t>(heading.columns)}),
       field<uint32_t>(257, kLong, {static_cast<uint32_t>(heading.rows)}),
       number_field(259, 8),  // Adobe deflate
       text_field(270, heading.description),
-      number_field(284, 1),  // all numbers of a cell together
+      number_field(284, samples.planes == 1 ? 1 : 2),  // all numbers of a cell together, or not
       text_field(305, heading.software),
       number_field(322, kRasterBlock),
       number_field(323, kRasterBlock),
@@ -221,27 +249,37 @@ void write_geotiff(const std::filesystem::path& file, const GeoTiffHeading& head
   const std::vector<float> nothing(std::size_t{kRasterBlock} * kRasterBlock,
                                    std::numeric_limits<float>::quiet_NaN());
   const auto bytes = std::as_bytes(std::span(nothing));
+  const std::size_t bands = std::max<std::size_t>(1, heading.bands.size());
+  std::vector<Field> fields = {band_field(258, 32, bands),                       // bits
+                               number_field(262, 1),                             // more is brighter
+                               number_field(277, static_cast<uint16_t>(bands)),  // numbers a cell
+                               band_field(339, 3, bands),                        // floating point
+                               text_field(42113, "nan")};                        // GDAL's "no data"
+  if (bands > 1) {  // bands besides the first are no colours
+    fields.push_back(band_field(338, 0, bands - 1));
+  }
+  if (!heading.bands.empty()) {
+    fields.push_back(text_field(42112, metadata_of(heading.bands)));
+  }
   write_raster(file, heading,
-               {.fields = {number_field(258, 32),      // bits
-                           number_field(262, 1),       // more is brighter
-                           number_field(277, 1),       // one number a cell
-                           number_field(339, 3),       // floating point
-                           text_field(42113, "nan")},  // GDAL's "no data"
-                .nothing = {bytes.begin(), bytes.end()}},
-               [&](int64_t column, int64_t row) { return std::as_bytes(block(column, row)); });
+               {.fields = fields, .nothing = {bytes.begin(), bytes.end()}, .planes = bands},
+               [&](std::size_t band, int64_t column, int64_t row) {
+                 return std::as_bytes(block(band, column, row));
+               });
 }
 
 void write_color_geotiff(const std::filesystem::path& file, const GeoTiffHeading& heading,
                          const ColorBlock& block) {
   constexpr std::size_t kBytes = std::size_t{4} * kRasterBlock * kRasterBlock;
-  write_raster(file, heading,
-               {.fields = {field<uint16_t>(258, kShort, {8, 8, 8, 8}),  // bits
-                           number_field(262, 2),                        // RGB
-                           number_field(277, 4),                        // red, green, blue and
-                           number_field(338, 2),  // opacity that the colours are not multiplied by
-                           field<uint16_t>(339, kShort, {1, 1, 1, 1})},  // unsigned numbers
-                .nothing = std::vector<std::byte>(kBytes)},
-               [&](int64_t column, int64_t row) { return std::as_bytes(block(column, row)); });
+  write_raster(
+      file, heading,
+      {.fields = {field<uint16_t>(258, kShort, {8, 8, 8, 8}),  // bits
+                  number_field(262, 2),                        // RGB
+                  number_field(277, 4),                        // red, green, blue and
+                  number_field(338, 2),  // opacity that the colours are not multiplied by
+                  field<uint16_t>(339, kShort, {1, 1, 1, 1})},  // unsigned numbers
+       .nothing = std::vector<std::byte>(kBytes)},
+      [&](std::size_t, int64_t column, int64_t row) { return std::as_bytes(block(column, row)); });
 }
 
 }  // namespace adit

@@ -11,12 +11,11 @@
 #include <fmt/core.h>
 
 #include "adit/slam/core/text.hpp"
-#include "adit/tools/drawing/dxf_drawing.hpp"
+#include "adit/tools/export/contour_files.hpp"
 #include "adit/tools/plans/contour_lines.hpp"
 #include "adit/tools/plans/plan_points.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
-#include "adit/tools/support/version.hpp"
 
 namespace adit {
 namespace {
@@ -24,7 +23,12 @@ namespace {
 constexpr double kContourCell = 0.5;  // m: as close as contours are read
 // m, of cells that ground is followed in: a step to the next one rises less than a chair's seat.
 constexpr double kSearchCell = 0.25;
-constexpr int64_t kIndexContour = 5;  // each fifth is drawn on a layer of its own
+
+std::string contours_text(const std::vector<ContourLine>& lines, const GroundHeights& ground) {
+  return fmt::format("{} lines from {} to {} m, of {} cells of ground of {} m", lines.size(),
+                     in_digits(lines.front().height, 6), in_digits(lines.back().height, 6),
+                     ground.cells().size(), shortest(ground.size()));
+}
 
 }  // namespace
 
@@ -86,18 +90,24 @@ std::string export_contours(const ExportJob& job) {
     throw UsageError(
         fmt::format("--contours {}: the ground reaches no multiple of it.", shortest(step)));
   }
-  DxfDrawing drawing({{.name = "CONTOURS", .color = 8}, {.name = "INDEX_CONTOURS", .color = 7}},
-                     fmt::format("adit {}: contour lines each {} m{}; metres", version(),
-                                 shortest(step), in_coordinates(coordinates)));
-  for (const ContourLine& line : lines) {
-    const bool is_index = std::llround(line.height / step) % kIndexContour == 0;
-    drawing.polyline(is_index ? "INDEX_CONTOURS" : "CONTOURS", line.places, line.closed,
-                     line.height);
+  const std::string end = options.output->extension().string();
+  const ContourSheet sheet{.lines = &lines, .step = step, .coordinates = &coordinates};
+  if (end == ".gpkg") {
+    write_contours_geopackage(job.file, sheet);
+  } else if (end == ".dxf") {
+    write_text_file(job.file, contours_dxf(sheet));
+  } else {
+    if (!job.georeference) {
+      throw UsageError("-o " + options.output->string() +
+                       ": GeoJSON is in degrees (RFC 7946), and the map is not georeferenced. "
+                       "Name it *.dxf or *.gpkg, or place the map with --origin "
+                       "LAT,LON,ALT[,YAW].");
+    }
+    write_text_file(job.file, contours_geojson(sheet));
+    return contours_text(lines, ground) + ", in degrees on WGS 84; heights of " +
+           coordinates.name();
   }
-  write_text_file(job.file, drawing.str());
-  return fmt::format("{} lines from {} to {} m, of {} cells of ground of {} m{}", lines.size(),
-                     in_digits(lines.front().height, 6), in_digits(lines.back().height, 6),
-                     ground.cells().size(), shortest(ground.size()), in_coordinates(coordinates));
+  return contours_text(lines, ground) + in_coordinates(coordinates);
 }
 
 }  // namespace adit

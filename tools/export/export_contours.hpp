@@ -24,7 +24,8 @@ GroundLevelsFound find_ground(const ExportJob& job, const ProductCoordinates& co
 GroundHeights ground_of(const ExportJob& job, const ProductCoordinates& coordinates, double size,
                         const std::string& option);
 
-/// --contours: lines of one height as DXF. Returns what was written, for people.
+/// --contours: lines of one height as DXF, GeoJSON or GeoPackage, by the end of the output's name.
+/// Returns what was written, for people.
 std::string export_contours(const ExportJob& job);
 
 }  // namespace adit

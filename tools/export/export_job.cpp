@@ -29,7 +29,8 @@ namespace {
 /// Formats that name a coordinate reference system by its number alone.
 bool numbers_its_system(const ExportCommandOptions& options) {
   const std::string end = options.output ? options.output->extension().string() : "";
-  return options.trajectory == "gpkg" || (!options.raster.empty() && end != ".png") ||
+  return options.trajectory == "gpkg" || (options.contours && end == ".gpkg") ||
+         options.elevation || (!options.raster.empty() && end != ".png") ||
          ((!options.slice.empty() || options.plan) && (end == ".tif" || end == ".tiff"));
 }
 

@@ -13,8 +13,8 @@
 namespace adit {
 
 /// What `adit export` is asked to write: one of trajectory, graph, cloud, dense, tiles, raster,
-/// grid, slice, section, plan, contours, report, picture and dump is set; tiles and cloud go
-/// together.
+/// elevation, grid, slice, section, plan, contours, report, picture and dump is set; tiles and
+/// cloud go together.
 struct ExportCommandOptions {
   std::filesystem::path map{};
   std::optional<std::filesystem::path> output{};     ///< none: standard output, for the dump alone
@@ -49,6 +49,7 @@ struct ExportCommandOptions {
   std::string clean{};               ///< mark, drop; empty: noise is not looked for
   std::string raster{};              ///< height, intensity, ground, color
   bool report = false;               ///< a page for whoever takes delivery
+  bool elevation = false;            ///< ground, slope, steps and roughness
   bool grid = false;                 ///< occupancy grid of ROS map_server
   std::optional<double> cell{};      ///< m, of rasters and grids
   std::string slice{};               ///< "HEIGHT[,THICKNESS]", m

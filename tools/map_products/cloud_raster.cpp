@@ -84,19 +84,20 @@ void CloudRaster::write_tiff(const std::filesystem::path& file,
                              const ProductCoordinates& coordinates) const {
   const GeoTiffHeading heading = geotiff_heading(frame(), coordinates, description_of(value_));
   std::vector<float> cells(std::size_t{kRasterBlock} * kRasterBlock);
-  write_geotiff(file, heading, [&](int64_t column, int64_t row) -> std::span<const float> {
-    bool any = false;
-    for (int64_t y = 0; y < kRasterBlock; ++y) {
-      for (int64_t x = 0; x < kRasterBlock; ++x) {
-        const int64_t c = column * kRasterBlock + x;
-        const int64_t r = row * kRasterBlock + y;
-        const float value = c < columns() && r < rows() ? at(c, r) : kNothing;
-        cells[static_cast<std::size_t>(y * kRasterBlock + x)] = value;
-        any = any || !std::isnan(value);
-      }
-    }
-    return any ? std::span<const float>(cells) : std::span<const float>();
-  });
+  write_geotiff(file, heading,
+                [&](std::size_t, int64_t column, int64_t row) -> std::span<const float> {
+                  bool any = false;
+                  for (int64_t y = 0; y < kRasterBlock; ++y) {
+                    for (int64_t x = 0; x < kRasterBlock; ++x) {
+                      const int64_t c = column * kRasterBlock + x;
+                      const int64_t r = row * kRasterBlock + y;
+                      const float value = c < columns() && r < rows() ? at(c, r) : kNothing;
+                      cells[static_cast<std::size_t>(y * kRasterBlock + x)] = value;
+                      any = any || !std::isnan(value);
+                    }
+                  }
+                  return any ? std::span<const float>(cells) : std::span<const float>();
+                });
 }
 
 std::string CloudRaster::png() const {

@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "adit/tools/drawing/geotiff_writer.hpp"
 #include "adit/tools/map_products/cell_grid.hpp"
 #include "adit/tools/map_products/cloud_selection.hpp"
 #include "adit/tools/map_products/product_coordinates.hpp"

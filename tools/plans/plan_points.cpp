@@ -5,7 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "adit/slam/submaps/keyframe_submap.hpp"
 #include "adit/tools/map_database/map_trajectory.hpp"
 
 namespace adit {
@@ -17,6 +16,8 @@ constexpr double kUpright = 0.866;
 // Sine of 5 degrees, by which normals of planes are wrong now and then: of a surface that is seen
 // at less it is not known which of its sides that was.
 constexpr double kSideIsKnown = 0.087;
+
+}  // namespace
 
 std::vector<PlanPoint> plan_points_of(const MapKeyframe& keyframe, const KeyframeSubmap& submap,
                                       const ProductCoordinates& coordinates,
@@ -54,8 +55,6 @@ std::vector<PlanPoint> plan_points_of(const MapKeyframe& keyframe, const Keyfram
   }
   return points;
 }
-
-}  // namespace
 
 void visit_plan_points(const MapDatabase& map, const ProductCoordinates& coordinates,
                        const CloudSelection& selection, const TakePlanPoints& take) {

@@ -7,9 +7,11 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include <Eigen/Geometry>
 
+#include "adit/slam/submaps/keyframe_submap.hpp"
 #include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/map_products/cloud_selection.hpp"
 #include "adit/tools/map_products/product_coordinates.hpp"
@@ -22,6 +24,11 @@ struct PlanPoint {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 using TakePlanPoints = std::function<void(const MapKeyframe&, std::span<const PlanPoint>)>;
+
+/// The wanted points of a keyframe that do not move.
+std::vector<PlanPoint> plan_points_of(const MapKeyframe& keyframe, const KeyframeSubmap& submap,
+                                      const ProductCoordinates& coordinates,
+                                      const CloudSelection& selection);
 
 /// All wanted points that do not move, keyframe by keyframe. Throws InputError where the map is
 /// damaged.

@@ -317,6 +317,17 @@ void read_cameras(const Reader& reader, const toml::node& node, SimulationOption
   }
 }
 
+void read_heaps(const Reader& reader, const toml::node& node, SimulationOptions& options) {
+  for (const toml::node& entry : reader.list(node)) {
+    HeapOptions& heap = options.heaps.emplace_back();
+    reader.read(
+        reader.table(entry),
+        {{"at", [&](const auto& value) { heap.at = reader.vector(value); }},
+         {"radius", [&](const auto& value) { require_size(heap.radius = reader.number(value)); }},
+         {"height", [&](const auto& value) { require_size(heap.height = reader.number(value)); }}});
+  }
+}
+
 void read_wheels(const Reader& reader, const toml::table& table, SimulationOptions& options) {
   MountKeys mount{.position = options.T_imu_wheels.translation()};
   reader.read(table, {{"use", [&](const auto& node) { options.wheels = reader.truth(node); }},
@@ -373,6 +384,7 @@ SimulationOptions read_scene_file(const std::filesystem::path& file) {
        {"gnss", [&](const auto& node) { read_gnss(reader, reader.table(node), options); }},
        {"visual_odometry",
         [&](const auto& node) { read_visual_odometry(reader, reader.table(node), options); }},
+       {"heap", [&](const auto& node) { read_heaps(reader, node, options); }},
        {"camera", [&](const auto& node) { read_cameras(reader, node, options); }},
        {"wheels", [&](const auto& node) { read_wheels(reader, reader.table(node), options); }}});
   try {
@@ -448,6 +460,12 @@ use = false  # poses of a camera's odometry, whose scale drifts, on /visual_odom
 rate = 20  # Hz
 position = [0.15, 0.02, -0.03]  # m, in the IMU's frame
 yaw_pitch_roll = [0.0, 0.0, 0.0]  # degrees
+
+# Heaps of loose material, cones on the ground; there may be several, and there is none by default.
+# [[heap]]
+# at = [0.0, 0.0, 0.0]  # m, world: the middle on the floor
+# radius = 2.0  # m
+# height = 1.2  # m, of the tip
 
 # Images of a camera on /camera_NAME/image_raw; there may be several, and there is none by default.
 # [[camera]]

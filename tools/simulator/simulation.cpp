@@ -305,7 +305,7 @@ SimulationSummary simulate(const SimulationOptions& options,
   Scene scene = scene_of(options);
   const std::size_t movable = scene.mesh.movable.size();
   ChangedScene changed = with_changes(std::move(scene), options);
-  scene = std::move(changed.scene);
+  scene = with_heaps(std::move(changed.scene), options.heaps);
   const SplineTrajectory trajectory =
       make_trajectory(scene, motion_named(options.trajectory), options.duration + 0.5,
                       options.speed, options.begin, checkpoint);

@@ -23,6 +23,7 @@
 #include "adit/tools/simulator/odometry_model.hpp"
 #include "adit/tools/simulator/range_simulator.hpp"
 #include "adit/tools/simulator/scene_change.hpp"
+#include "adit/tools/simulator/scene_heap.hpp"
 #include "adit/tools/simulator/wheel_model.hpp"
 
 namespace adit {
@@ -78,8 +79,9 @@ struct SimulationOptions {
   double later = 0.0;  ///< s after kSimulationEpoch that it begins: what moves has gone on
   /// Of the scene's movable objects: some are gone, elsewhere, or more than without it.
   ChangeOptions change{};
-  bool reverse = false;  ///< the way is taken from its end to its beginning
-  bool picture = true;   ///< draw the scene and a sweep in it
+  std::vector<HeapOptions> heaps{};  ///< of loose material, besides what the scene has
+  bool reverse = false;              ///< the way is taken from its end to its beginning
+  bool picture = true;               ///< draw the scene and a sweep in it
   Compression compression = Compression::none;
   std::filesystem::path output;  ///< the MCAP file
 

@@ -63,6 +63,12 @@ void require_corner_radius(double radius) {
   }
 }
 
+void require_size(double size) {
+  if (!(size >= 0.05 && size <= 100.0)) {
+    throw UsageError(fmt::format("is {} m; must be 0.05 to 100.", shortest(size)));
+  }
+}
+
 void require_imu_rate(int rate) {
   require_rate(rate, 10, 2000, "100, 200, 400, 1000");
 }

@@ -19,6 +19,7 @@ void require_later(double seconds);         ///< after the simulation's epoch
 void require_speed(double speed);           ///< m/s
 void require_begin(double distance);        ///< m along the way
 void require_corner_radius(double radius);  ///< m
+void require_size(double size);             ///< m, of a heap
 void require_imu_rate(int rate);            ///< Hz
 void require_gnss_rate(int rate);           ///< Hz
 void require_wheel_rate(int rate);          ///< Hz
