@@ -175,9 +175,9 @@ void carrier_in_view(RangeSweep& sweep, const CounterRandom& random) {
   const uint64_t first = static_cast<uint64_t>(sweep.start);
   for (std::size_t i = 0; i < sweep.returns.size(); ++i) {
     const Firing& firing = sweep.firings[i];
-    const double range = std::min({range_to_post(firing, {-0.5, 0.7}, kPost),
-                                   range_to_post(firing, {-0.5, -0.7}, kPost),
-                                   range_to_box(firing, box)});
+    const double range =
+        std::min({range_to_post(firing, {-0.5, 0.7}, kPost),
+                  range_to_post(firing, {-0.5, -0.7}, kPost), range_to_box(firing, box)});
     if (std::isfinite(range) && (sweep.returns[i].range == 0.0 || range < sweep.returns[i].range)) {
       const double error = kNoise * random.gaussians(counter(first + i, 8)).x();
       sweep.returns[i] = {.range = range + error, .intensity = 40.0F, .surface = kCarrier};

@@ -145,8 +145,7 @@ std::optional<RangeSimulator::Sight> RangeSimulator::first_surface(const Vector3
     }
     if (effects_.reflections) {
       const auto other = mirrored(origin, direction, *target, share, pulse);
-      if (other &&
-          (!in_mirror || strength(*other, direction) > strength(*in_mirror, direction))) {
+      if (other && (!in_mirror || strength(*other, direction) > strength(*in_mirror, direction))) {
         in_mirror = other;
       }
       const double passed = 1.0 - reflected_share(std::abs(target->hit.normal.dot(direction)));
@@ -176,8 +175,7 @@ std::optional<RangeSimulator::Sight> RangeSimulator::mirrored(const Vector3d& or
       target->hit.distance += pane.hit.distance + gone;
       target->hit.normal -= 2.0 * target->hit.normal.dot(normal) * normal;
       target->object = 0;
-      return Sight{
-          .target = *target, .share = share * reflected * reflected, .mirrored = true};
+      return Sight{.target = *target, .share = share * reflected * reflected, .mirrored = true};
     }
     gone += target->hit.distance + 1e-6;
   }
@@ -309,9 +307,9 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
   }
   return {.range = range,
           .intensity = static_cast<float>(std::clamp(std::floor(intensity + 0.5), 0.0, 255.0)),
-          .doppler = sensor_.doppler ? radial_speed(pulse, direction, target.object,
-                                                    origin + range * direction)
-                                     : 0.0F,
+          .doppler = sensor_.doppler
+                         ? radial_speed(pulse, direction, target.object, origin + range * direction)
+                         : 0.0F,
           .object = target.object,
           .surface = melted ? uint8_t{0} : surface_of(*seen),
           .color = color_seed_ && !melted && !seen->mirrored
