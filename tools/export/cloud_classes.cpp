@@ -111,14 +111,14 @@ std::string ClassFilter::text() const {
     text += fmt::format("; {} ground", count(LasClass::ground));
   }
   if (classes_->noise) {
-    text += fmt::format("; {} noise, {} mirrored, ",
+    text += fmt::format("; {} noise, {} mirrored",
                         count(LasClass::low_noise) + count(LasClass::high_noise),
                         count(LasClass::mirrored));
     if (classes_->looks_at_sweeps) {
       text +=
-          fmt::format("{} mixed, {} carrier ", count(LasClass::mixed), count(LasClass::carrier));
+          fmt::format(", {} mixed, {} carrier", count(LasClass::mixed), count(LasClass::carrier));
     }
-    text += fmt::format("and {} moving {}", count(LasClass::moving),
+    text += fmt::format(" and {} moving {}", count(LasClass::moving),
                         classes_->drop ? "left out" : "marked");
   }
   return text;

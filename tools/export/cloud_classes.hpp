@@ -45,8 +45,8 @@ class ClassFilter {
   /// Those that go into the file; valid until the next call.
   std::span<const CloudPoint> pass(std::span<const CloudPoint> points);
 
-  /// "; 1234 ground, 12 noise and 34 moving left out" for people; nothing where no class was looked
-  /// for.
+  /// "; 1234 ground; 12 noise, 3 mirrored and 34 moving left out" for people; nothing where no
+  /// class was looked for.
   std::string text() const;
 
  private:
