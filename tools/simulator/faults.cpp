@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <Eigen/Geometry>
+#include <fmt/core.h>
 
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/counter_random.hpp"
@@ -21,7 +22,7 @@
 namespace adit {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Fault>, 36> kFaults{
+constexpr std::array<std::pair<std::string_view, Fault>, 38> kFaults{
     {{"clock-offset", Fault::clock_offset},
      {"clock-drift", Fault::clock_drift},
      {"gap", Fault::gap},
@@ -35,6 +36,8 @@ constexpr std::array<std::pair<std::string_view, Fault>, 36> kFaults{
      {"own-carrier", Fault::own_carrier},
      {"rain", Fault::rain},
      {"truncated", Fault::truncated},
+     {"kidnapped", Fault::kidnapped},
+     {"covered", Fault::covered},
      {"rare-spikes", Fault::rare_spikes},
      {"spikes", Fault::spikes},
      {"many-spikes", Fault::many_spikes},
@@ -261,6 +264,12 @@ void require_seen(const std::vector<std::string>& names, double duration,
                        " is one of the cameras, and there are none. --camera, or [[camera]] of a "
                        "scene file, adds one.");
     }
+    if (fault == Fault::covered && duration < 2.0 * kCarried) {
+      throw UsageError(
+          fmt::format("covered: lasts {:.0f} s, after which the sensor is to see again. Choose a "
+                      "duration of at least {:.0f} s.",
+                      kCarried, 2.0 * kCarried));
+    }
     if (fault == Fault::shock && duration <= kFirstBlow) {
       throw UsageError("shock: the first blow comes after 3 s. Choose a longer duration.");
     }
@@ -271,6 +280,10 @@ void require_seen(const std::vector<std::string>& names, double duration,
       spikes = name;
     }
   }
+}
+
+double time_of_kidnap(double duration) {
+  return std::floor(5.0 * duration) / 10.0;
 }
 
 FaultMaker::FaultMaker(std::vector<Fault> faults, double duration, uint64_t seed)
@@ -295,6 +308,10 @@ void FaultMaker::distort(RangeSweep& sweep) const {
         sweep.returns[i].range = std::numeric_limits<double>::quiet_NaN();
       }
     }
+  }
+  const double time = 1e-9 * static_cast<double>(sweep.start);
+  if (has(Fault::covered) && time >= 0.4 * duration_ && time < 0.4 * duration_ + kCarried) {
+    std::ranges::fill(sweep.returns, Return{});
   }
   if (has(Fault::blocked_sector)) {
     for (std::size_t i = 0; i < sweep.returns.size(); ++i) {
