@@ -12,6 +12,7 @@ std::vector<Crossing> find_crossings(const std::function<Eigen::Isometry3d(doubl
   constexpr double kStep = 0.02;    // s
   constexpr double kApart = 0.5;    // s
   constexpr double kAtRest = 1e-6;  // m
+  constexpr double kCarried = 2.0;  // m a step, 100 m/s: it was carried, by another way
   constexpr double kEdge = 1e-6;    // m: a wall at the very end of a step belongs to it
   std::vector<Crossing> found;
   double last = -kApart;
@@ -24,7 +25,9 @@ std::vector<Crossing> find_crossings(const std::function<Eigen::Isometry3d(doubl
     if (length < kAtRest) {
       continue;
     }
-    if (const auto hit = still.cast(from, (to - from) / length, length + kEdge)) {
+    const auto hit =
+        length < kCarried ? still.cast(from, (to - from) / length, length + kEdge) : std::nullopt;
+    if (hit) {
       if (time - last >= kApart) {
         found.push_back({.time = time, .at = from + hit->distance / length * (to - from)});
       }

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/counter_random.hpp"
 #include "adit/tools/simulator/imu_model.hpp"
@@ -19,7 +21,7 @@
 namespace adit {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Fault>, 35> kFaults{
+constexpr std::array<std::pair<std::string_view, Fault>, 37> kFaults{
     {{"clock-offset", Fault::clock_offset},
      {"clock-drift", Fault::clock_drift},
      {"gap", Fault::gap},
@@ -32,6 +34,8 @@ constexpr std::array<std::pair<std::string_view, Fault>, 35> kFaults{
      {"shock", Fault::shock},
      {"rain", Fault::rain},
      {"truncated", Fault::truncated},
+     {"kidnapped", Fault::kidnapped},
+     {"covered", Fault::covered},
      {"rare-spikes", Fault::rare_spikes},
      {"spikes", Fault::spikes},
      {"many-spikes", Fault::many_spikes},
@@ -214,6 +218,12 @@ void require_seen(const std::vector<std::string>& names, double duration,
                        " is one of the cameras, and there are none. --camera, or [[camera]] of a "
                        "scene file, adds one.");
     }
+    if (fault == Fault::covered && duration < 2.0 * kCarried) {
+      throw UsageError(
+          fmt::format("covered: lasts {:.0f} s, after which the sensor is to see again. Choose a "
+                      "duration of at least {:.0f} s.",
+                      kCarried, 2.0 * kCarried));
+    }
     if (fault == Fault::shock && duration <= kFirstBlow) {
       throw UsageError("shock: the first blow comes after 3 s. Choose a longer duration.");
     }
@@ -224,6 +234,10 @@ void require_seen(const std::vector<std::string>& names, double duration,
       spikes = name;
     }
   }
+}
+
+double time_of_kidnap(double duration) {
+  return std::floor(5.0 * duration) / 10.0;
 }
 
 FaultMaker::FaultMaker(std::vector<Fault> faults, double duration, uint64_t seed)
@@ -245,6 +259,10 @@ void FaultMaker::distort(RangeSweep& sweep) const {
         sweep.returns[i].range = std::numeric_limits<double>::quiet_NaN();
       }
     }
+  }
+  const double time = 1e-9 * static_cast<double>(sweep.start);
+  if (has(Fault::covered) && time >= 0.4 * duration_ && time < 0.4 * duration_ + kCarried) {
+    std::ranges::fill(sweep.returns, Return{});
   }
   if (has(Fault::blocked_sector)) {
     for (std::size_t i = 0; i < sweep.returns.size(); ++i) {

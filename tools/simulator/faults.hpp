@@ -29,6 +29,9 @@ enum class Fault {
   shock,             ///< a blow every 4 s: the mount rings at 40 Hz, up to 10 g and 1 rad/s
   rain,              ///< drops scatter pulses back and take from what lies behind them
   truncated,         ///< the recorder was killed: the last fifth of the file is missing
+  kidnapped,         ///< kCarried seconds of the motion are cut out at half time, and no stamp
+                     ///< shows it: from one sweep to the next the sensor is elsewhere
+  covered,           ///< the range sensor is covered for so long, from two fifths of the time on
   rare_spikes,       ///< one IMU reading in 1000 is damaged: one of its six numbers is anything up
                      ///< to twice what sensors can read
   spikes,            ///< one in 100
@@ -54,6 +57,12 @@ enum class Fault {
   wheel_zero_covariance,      ///< all zeros, as of drivers that do not know it
   wheel_negative_covariance,  ///< variances of -1
 };
+
+/// s, that a sensor is carried for while nobody sees it.
+inline constexpr double kCarried = 20.0;
+
+/// s, when a kidnapped sensor is elsewhere: between two sweeps of 10 Hz.
+double time_of_kidnap(double duration);
 
 /// What a recording has beside range sensors.
 struct SimulatedSenses {

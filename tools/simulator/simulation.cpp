@@ -150,6 +150,19 @@ std::vector<LoopPair> find_loops(const RangeSimulator& lidar, double duration,
                     lidar.still(), {}, checkpoint);
 }
 
+/// The motion that is recorded.
+SplineTrajectory motion_of(const Scene& scene, const SimulationOptions& options,
+                           const Checkpoint& checkpoint) {
+  const MotionStyle style = motion_named(options.trajectory);
+  const auto motion = [&](double duration) {
+    return make_trajectory(scene, style, duration + 0.5, options.speed, options.begin, checkpoint);
+  };
+  return std::ranges::count(options.faults, "kidnapped") == 0
+             ? motion(options.duration)
+             : motion(options.duration + kCarried)
+                   .cut_out(time_of_kidnap(options.duration), kCarried);
+}
+
 std::vector<Fault> faults_of(const SimulationOptions& options) {
   std::vector<Fault> faults;
   for (const std::string& name : options.faults) {
@@ -306,9 +319,7 @@ SimulationSummary simulate(const SimulationOptions& options,
   const std::size_t movable = scene.mesh.movable.size();
   ChangedScene changed = with_changes(std::move(scene), options);
   scene = std::move(changed.scene);
-  const SplineTrajectory trajectory =
-      make_trajectory(scene, motion_named(options.trajectory), options.duration + 0.5,
-                      options.speed, options.begin, checkpoint);
+  const SplineTrajectory trajectory = motion_of(scene, options, checkpoint);
   scene = out_of_the_way(
       std::move(scene), [&](double time) { return trajectory.pose(time); }, options.duration,
       kClearance, checkpoint);

@@ -50,8 +50,16 @@ SplineTrajectory::SplineTrajectory(double spacing, std::vector<Eigen::Isometry3d
   }
 }
 
+SplineTrajectory SplineTrajectory::cut_out(double begin, double length) const {
+  SplineTrajectory cut = *this;
+  cut.cut_begin_ = begin;
+  cut.cut_length_ = length;
+  return cut;
+}
+
 SplineTrajectory::Place SplineTrajectory::find(double time) const {
-  const double at = std::clamp(time / spacing_, 0.0, static_cast<double>(segments_.size()));
+  const double whole = time < cut_begin_ ? time : time + cut_length_;
+  const double at = std::clamp(whole / spacing_, 0.0, static_cast<double>(segments_.size()));
   const auto index = std::min(static_cast<std::size_t>(at), segments_.size() - 1);
   return {&segments_[index], at - static_cast<double>(index)};
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -28,7 +29,11 @@ class SplineTrajectory {
   SplineTrajectory(double spacing, std::vector<Eigen::Isometry3d> control_poses);
 
   /// From 0 to here the spline is defined (s).
-  double duration() const { return spacing_ * static_cast<double>(segments_.size()); }
+  double duration() const { return spacing_ * static_cast<double>(segments_.size()) - cut_length_; }
+
+  /// The same motion without `length` seconds of it: at the time `begin` (s) the body is at once
+  /// where it would be that much later.
+  SplineTrajectory cut_out(double begin, double length) const;
 
   /// The motion at a time (s), held at the ends of the spline.
   MotionState at(double time) const;
@@ -53,6 +58,8 @@ class SplineTrajectory {
 
   double spacing_;
   std::vector<Segment> segments_;
+  double cut_begin_ = std::numeric_limits<double>::infinity();  ///< s
+  double cut_length_ = 0.0;                                     ///< s
 };
 
 }  // namespace adit
