@@ -352,6 +352,41 @@ TEST_F(FaultTest, TheOwnCarrierIsInViewWhereItIsMounted) {
   EXPECT_GT(at_post(read({"own-carrier"})), 16 * 20);
 }
 
+TEST_F(FaultTest, AKidnappedSensorIsElsewhereFromOneSweepToTheNext) {
+  const Read good = read({}, 4.0);
+  const Read carried = read({"kidnapped"}, 4.0);
+  ASSERT_EQ(carried.sweeps.size(), good.sweeps.size());
+  const auto differs = [&](std::size_t i) {
+    const auto& a = good.sweeps[i].points;
+    const auto& b = carried.sweeps[i].points;
+    return a.size() != b.size() || !std::ranges::equal(a, b, [](const Point& p, const Point& q) {
+             return std::abs(p.x - q.x) < 1e-6F && std::abs(p.y - q.y) < 1e-6F;
+           });
+  };
+  EXPECT_FALSE(differs(19));
+  EXPECT_TRUE(differs(20));
+  EXPECT_EQ(carried.sweeps[20].stamp, good.sweeps[20].stamp);
+  EXPECT_EQ(time_of_kidnap(4.0), 2.0);
+  EXPECT_EQ(time_of_kidnap(4.1), 2.0) << "between two sweeps";
+}
+
+TEST(Faults, ACoveredSensorSeesNothingForTwentySeconds) {
+  const FaultMaker faults({Fault::covered}, 50.0, 1);
+  const auto returns_at = [&](int64_t seconds) {
+    RangeSweep sweep;
+    sweep.start = seconds * 1000000000;
+    sweep.returns.assign(10, Return{.range = 5.0});
+    faults.distort(sweep);
+    return std::ranges::count_if(sweep.returns, [](const Return& r) { return r.range > 0.0; });
+  };
+  EXPECT_EQ(returns_at(19), 10);
+  EXPECT_EQ(returns_at(20), 0);
+  EXPECT_EQ(returns_at(39), 0);
+  EXPECT_EQ(returns_at(40), 10);
+  EXPECT_THROW(require_seen({"covered"}, 39.0, {}), UsageError);
+  EXPECT_NO_THROW(require_seen({"covered"}, 40.0, {}));
+}
+
 TEST_F(FaultTest, ATruncatedFileIsReadUpToItsEnd) {
   const Read cut = read({"truncated"});
   EXPECT_GE(cut.sweeps.size(), 7U);

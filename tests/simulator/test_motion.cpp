@@ -62,6 +62,19 @@ TEST(SplineTrajectory, AccelerationAndTurningAreContinuousAtTheKnots) {
   }
 }
 
+TEST(SplineTrajectory, WithoutAPartOfItTheRestIsAsItWas) {
+  const SplineTrajectory whole = random_spline();
+  const SplineTrajectory cut = whole.cut_out(1.2, 2.0);
+  EXPECT_DOUBLE_EQ(cut.duration(), whole.duration() - 2.0);
+  for (const double time : {0.0, 0.7, 1.199}) {
+    EXPECT_EQ(cut.pose(time).matrix(), whole.pose(time).matrix());
+  }
+  for (const double time : {1.2, 1.9, 2.4}) {
+    EXPECT_EQ(cut.pose(time).matrix(), whole.pose(time + 2.0).matrix());
+    EXPECT_EQ(cut.at(time).velocity, whole.at(time + 2.0).velocity);
+  }
+}
+
 TEST(Motion, EachStyleDoesWhatItsNameSays) {
   const Scene scene = make_room(1);
   const auto fastest_turn = [&](const char* name) {
@@ -122,6 +135,8 @@ TEST(Motion, WayThroughAWallIsTold) {
   EXPECT_NEAR(found[0].time, 4.0, 0.03);
   EXPECT_LT((found[0].at - Vector3d(4.0, 0.3, 1.0)).norm(), 1e-6);
   EXPECT_TRUE(find_crossings(ahead, 3.9, still).empty());
+  const auto carried = [&](double time) { return ahead(time < 2.0 ? time : time + 4.0); };
+  EXPECT_TRUE(find_crossings(carried, 5.0, still).empty()) << "by another way";
 }
 
 TEST(Motion, NothingStandsInTheWayOfARoute) {
