@@ -73,7 +73,8 @@ VelocityReport VelocityWatch::judge(MeasuredWay& measured, const NavState& from,
   VelocityReport report{.source = measured.source,
                         .innovation = innovation(measured, from, prediction)};
   note(report.innovation);
-  report.on_trial = on_trial();
+  // Doppler speeds are of the range sensor itself: who stands still is held by them.
+  report.on_trial = measured.source == VelocitySource::sensor && on_trial();
   report.refused = contradicted();
   report.comparison = comparison();
   measured.covariance *= variance_scale();

@@ -78,6 +78,71 @@ TEST(DopplerVelocity, ADirectionThatNoPointShowsIsNotKnown) {
   EXPECT_GE((*fit->velocity.covariance)(1, 1), 1e4) << "nothing is known across the beam";
 }
 
+/// A radar's scan: few points, ahead alone, some of which are ghosts.
+TEST(DopplerVelocity, FewPointsWithGhostsGiveTheVelocity) {
+  const Eigen::Vector3d velocity(1.2, -0.3, 0.1);
+  double squared = 0.0;
+  constexpr int kScans = 200;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  std::uniform_real_distribution<double> even(-1.0, 1.0);
+  for (int k = 0; k < kScans; ++k) {
+    Sweep scan;
+    for (int i = 0; i < 40; ++i) {
+      Eigen::Vector3d d(1.0, 1.2 * even(random), 0.5 * even(random));
+      d.normalize();
+      const bool ghost = i % 3 == 0;
+      const double speed = ghost ? 3.0 * even(random) : -d.dot(velocity) + 0.05 * normal(random);
+      scan.points.push_back({static_cast<float>(8.0 * d.x()), static_cast<float>(8.0 * d.y()),
+                             static_cast<float>(8.0 * d.z()), 0.0F});
+      scan.doppler.push_back(static_cast<float>(speed));
+    }
+    const auto fit = fit_doppler(scan);
+    ASSERT_TRUE(fit) << k;
+    const Eigen::Vector3d error = fit->velocity.linear - velocity;
+    EXPECT_LE(error.norm(), 0.3) << k;
+    squared += error.dot(fit->velocity.covariance->ldlt().solve(error)) / 3.0;
+  }
+  EXPECT_LE(squared / kScans, 1.5) << "errors are as large as promised";
+  EXPECT_GE(squared / kScans, 0.2);
+}
+
+TEST(DopplerVelocity, WhereHalfOfThePointsDisagreeThereIsNone) {
+  Sweep sweep = turn({2.0, 0.0, 0.0}, Eigen::Vector3d::Zero(), 0, 60);
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<float> even(-8.0F, 8.0F);
+  std::ranges::generate(sweep.doppler, [&] { return even(random); });
+  EXPECT_FALSE(fit_doppler(sweep));
+}
+
+TEST(DopplerVelocity, TwoSensorsGiveTheTurningRate) {
+  const Eigen::Vector3d velocity(9.0, 0.1, 0.0);
+  const Eigen::Vector3d turning(0.0, 0.0, 0.2);
+  const std::vector<Eigen::Vector3d> origins = {{2.0, 0.5, 0.0}, {-2.4, 0.0, 0.0}};
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal(0.0, 0.05);
+  std::uniform_real_distribution<double> even(-1.0, 1.0);
+  Sweep sweep;
+  for (int i = 0; i < 60; ++i) {
+    const std::size_t sensor = i % 2 == 0 ? 0 : 1;
+    Eigen::Vector3d d(sensor == 0 ? 1.0 : -1.0, even(random), 0.0);
+    d.normalize();
+    const Eigen::Vector3d p = origins[sensor] + 30.0 * d;
+    const Eigen::Vector3d own = velocity + turning.cross(origins[sensor]);
+    sweep.points.push_back(
+        {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()), 0.0F});
+    sweep.rings.push_back(static_cast<uint16_t>(sensor));
+    sweep.doppler.push_back(static_cast<float>(-d.dot(own) + normal(random)));
+  }
+  const auto fit = fit_doppler(sweep, origins);
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->twist.rate[5], 0.2, 0.03);
+  EXPECT_LE((fit->twist.rate.head<2>() - velocity.head<2>()).norm(), 0.1);
+  EXPECT_LE(std::sqrt(fit->twist.covariance(5, 5)), 0.1);
+  EXPECT_GE(std::sqrt(fit->twist.covariance(5, 5)), 0.02) << "mountings err by half a degree";
+  EXPECT_GE(std::sqrt(fit_doppler(sweep)->twist.covariance(5, 5)), 0.9) << "one sensor: unknown";
+}
+
 TEST(DopplerVelocity, WithoutSpeedsThereIsNone) {
   Sweep sweep = turn({2.0, 0.0, 0.0});
   sweep.doppler.pop_back();

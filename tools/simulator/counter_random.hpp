@@ -24,7 +24,8 @@ enum class RandomStream : uint64_t {
   wheels,
   doppler,
   odometry,
-  heading
+  heading,
+  radar
 };
 
 /// Random numbers that are functions of (seed, stream, index): whichever thread asks for number
