@@ -308,12 +308,13 @@ class Bench:
             print(f"| {run} | {statistics.median(ratios):.2f} | {max(ratios):.2f} | "
                   f"{max(row['ate_m'] for row in rows):.4f} | {sum(one.get('fused', 0) for one in sensors)} | "
                   f"{sum(one.get('refused', 0) for one in sensors)} | "
-                  f"{sum(is_named(one) for one in sensors)} of {len(rows)} | {' '.join(scales)} |")
+                  f"{sum(map(is_named, rows))} of {len(rows)} | {' '.join(scales)} |")
 
 
-def is_named(sensor):
-    """The run says that something is wrong with the sensor."""
-    return bool(sensor.get("why_refused") or sensor.get("remarks"))
+def is_named(row):
+    """The run says that something is wrong with the sensor of velocities."""
+    return any(one["name"] == "velocity" and one["remark"] for one in row["sources"] or []) or bool(
+        row["velocity"].get("sensor", {}).get("why_refused"))
 
 
 def verdicts(rows):
