@@ -9,7 +9,7 @@
 namespace adit {
 namespace {
 
-PoseGraph two_nodes() {
+PoseGraph two_keyframes() {
   PoseGraph graph;
   graph.add_node({.id = 0});
   PoseNode second{.id = 1};
@@ -19,7 +19,7 @@ PoseGraph two_nodes() {
   return graph;
 }
 
-PoseEdge edge_of(const PoseGraph& graph, EdgeKind kind, double information) {
+PoseEdge measured_edge(const PoseGraph& graph, EdgeKind kind, double information) {
   return {.from = 0,
           .to = 1,
           .T_from_to = graph.nodes()[1].T_map_node,
@@ -28,9 +28,9 @@ PoseEdge edge_of(const PoseGraph& graph, EdgeKind kind, double information) {
 }
 
 TEST(MapShares, OfTwoMeasurementsAreTheirWeights) {
-  PoseGraph graph = two_nodes();
-  graph.add_edge(edge_of(graph, EdgeKind::odometry, 100.0));
-  graph.add_edge(edge_of(graph, EdgeKind::loop, 300.0));
+  PoseGraph graph = two_keyframes();
+  graph.add_edge(measured_edge(graph, EdgeKind::odometry, 100.0));
+  graph.add_edge(measured_edge(graph, EdgeKind::loop, 300.0));
   const auto shares = map_shares(graph);
   ASSERT_TRUE(shares);
   for (const MapPart part : {MapPart::level, MapPart::height, MapPart::yaw}) {
@@ -41,8 +41,8 @@ TEST(MapShares, OfTwoMeasurementsAreTheirWeights) {
 }
 
 TEST(MapShares, FixesCountWhereTheOdometryIsWorse) {
-  PoseGraph graph = two_nodes();
-  graph.add_edge(edge_of(graph, EdgeKind::odometry, 1.0));
+  PoseGraph graph = two_keyframes();
+  graph.add_edge(measured_edge(graph, EdgeKind::odometry, 1.0));
   for (const PoseNode& node : graph.nodes()) {
     for (const Eigen::Vector3d& p :
          {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(9.0, 0.0, 0.0),

@@ -12,46 +12,47 @@
 namespace adit {
 namespace {
 
-constexpr double kSweep = 0.1;   // s
-constexpr double kSigma = 0.02;  // m/s, of a reading
-constexpr double kScaleSigma = 0.05;
+constexpr double kBetweenSweeps = 0.1;  // s
+constexpr double kReadingSigma = 0.02;  // m/s, of a reading
+constexpr double kPriorOfScale = 0.05;
 
 /// A body that goes along x at 2 m/s, whose velocity and scale the prediction knows well; `error`
 /// of the n-th sweep is added to what is read.
-struct Drive {
-  VelocityWatch watch{kScaleSigma};
+struct StraightDrive {
+  VelocityWatch watch{kPriorOfScale};
   std::mt19937_64 random{11};
 
   VelocityReport step(const Eigen::Vector3d& error, double speed = 2.0) {
-    std::normal_distribution<double> normal(0.0, kSigma);
+    std::normal_distribution<double> normal(0.0, kReadingSigma);
     NavState from;
     StateEstimate prediction;
-    prediction.state.T_map_body.translation().x() = kSweep * speed;
+    prediction.state.T_map_body.translation().x() = kBetweenSweeps * speed;
     prediction.covariance.diagonal().segment<3>(kVelocityAt).setConstant(0.005 * 0.005);
     prediction.covariance(kScaleAt, kScaleAt) = 0.002 * 0.002;
     const Eigen::Vector3d noise = Eigen::Vector3d::NullaryExpr([&] { return normal(random); });
-    MeasuredWay way{.way = kSweep * (Eigen::Vector3d(speed, 0.0, 0.0) + error + noise),
-                    .covariance = kSweep * kSweep * kSigma * kSigma * Eigen::Matrix3d::Identity(),
-                    .duration = kSweep};
+    MeasuredWay way{.way = kBetweenSweeps * (Eigen::Vector3d(speed, 0.0, 0.0) + error + noise),
+                    .covariance = kBetweenSweeps * kBetweenSweeps * kReadingSigma * kReadingSigma *
+                                  Eigen::Matrix3d::Identity(),
+                    .duration = kBetweenSweeps};
     return watch.judge(way, from, prediction);
   }
 };
 
 TEST(VelocityWatch, NoiseKeepsWhatItPromises) {
-  Drive drive;
+  StraightDrive drive;
   int slips = 0;
   double mean = 0.0;  // of the variance along x, over what is promised
   for (int i = 0; i < 300; ++i) {
     const VelocityReport report = drive.step(Eigen::Vector3d::Zero());
     slips += report.slips ? 1 : 0;
-    mean += report.covariance(0, 0) / (kSigma * kSigma) / 300.0;
+    mean += report.covariance(0, 0) / (kReadingSigma * kReadingSigma) / 300.0;
   }
   EXPECT_LE(slips, 6);
   EXPECT_LT(mean, 1.6);
 }
 
 TEST(VelocityWatch, SlipCountsForLittleAlongItselfAlone) {
-  Drive drive;
+  StraightDrive drive;
   for (int i = 0; i < 30; ++i) {
     drive.step(Eigen::Vector3d::Zero());
   }
@@ -63,16 +64,16 @@ TEST(VelocityWatch, SlipCountsForLittleAlongItselfAlone) {
   }
   // Fifteen sweeps together know no more than one with an error of 0.2 m/s.
   EXPECT_GT(report.covariance(0, 0), 0.8 * 15.0 * 0.2 * 0.2);
-  EXPECT_LT(report.covariance(1, 1), 6.0 * kSigma * kSigma);
+  EXPECT_LT(report.covariance(1, 1), 6.0 * kReadingSigma * kReadingSigma);
   for (int i = 0; i < 25; ++i) {
     report = drive.step(Eigen::Vector3d::Zero());
   }
   EXPECT_FALSE(report.slips);
-  EXPECT_LT(report.covariance(0, 0), 6.0 * kSigma * kSigma);
+  EXPECT_LT(report.covariance(0, 0), 6.0 * kReadingSigma * kReadingSigma);
 }
 
 TEST(VelocityWatch, AtRestAnEarlierSlipDoesNotCount) {
-  Drive drive;
+  StraightDrive drive;
   for (int i = 0; i < 30; ++i) {
     drive.step(Eigen::Vector3d(i < 20 ? 0.0 : 0.2, 0.0, 0.0));
   }

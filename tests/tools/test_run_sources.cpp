@@ -11,7 +11,7 @@
 namespace adit {
 namespace {
 
-std::vector<SourceWorth> sources() {
+std::vector<SourceWorth> four_sources() {
   return {{.name = "lidar",
            .unit = "sweeps",
            .used = 120,
@@ -37,7 +37,7 @@ std::vector<SourceWorth> sources() {
 }
 
 TEST(RunSources, AreReadAsTheyWereWritten) {
-  const auto json = to_json(sources());
+  const auto json = to_json(four_sources());
   EXPECT_EQ(to_json(sources_of(nlohmann::ordered_json::parse(json.dump()))), json);
   EXPECT_TRUE(json[0]["topic"].is_null());
   EXPECT_EQ(json[2]["topic"], "/wheels");
@@ -58,7 +58,7 @@ TEST(RunSources, WhatIsNoListOfSourcesHasNone) {
 }
 
 TEST(RunSources, TheTableHasARowForEach) {
-  const std::string text = describe(sources(), 4);
+  const std::string text = describe(four_sources(), 4);
   EXPECT_NE(text.find("of the motion"), std::string::npos) << text;
   EXPECT_NE(text.find("    of the map"), std::string::npos) << text;
   EXPECT_NE(text.find("    velocity /wheels"), std::string::npos) << text;
@@ -68,10 +68,10 @@ TEST(RunSources, TheTableHasARowForEach) {
 }
 
 TEST(RunSources, OneLineSaysWhoDecides) {
-  EXPECT_EQ(describe_shares(sources()),
+  EXPECT_EQ(describe_shares(four_sources()),
             "motion along the path: imu 57 %, lidar 35 %, velocity 7 %; position in the map: gnss "
             "100 %");
-  std::vector<SourceWorth> usual = sources();
+  std::vector<SourceWorth> usual = four_sources();
   usual.resize(2);
   EXPECT_EQ(describe_shares(usual), "") << "lidar and IMU alone are no news";
 }
