@@ -265,6 +265,58 @@ def check_topics(adit, peer, folder):
     same_files(out, folder / "topics_again")
 
 
+# Two range sensors, wheels, another odometry, and a receiver with two antennas on a vehicle.
+SENSES = """scene = "mine"
+duration = 4.0
+seed = 53
+[[lidar]]
+topic = "/front"
+frame = "front"
+[[lidar]]
+topic = "/rear"
+frame = "rear"
+position = [-0.6, 0.0, 0.1]
+yaw_pitch_roll = [170.0, 0.0, 0.0]
+[wheels]
+use = true
+[visual_odometry]
+use = true
+[gnss]
+receiver = "single"
+heading = true
+"""
+
+
+def check_senses(adit, peer, folder):
+    """Several lidars, wheels, headings and another odometry: each is used live, and again of the recording."""
+    recording, scene = folder / "senses.mcap", folder / "senses.toml"
+    scene.write_text(SENSES, encoding="utf-8")
+    run(adit, "simulate", scene, "-o", recording)
+    lidars = ["--topic", "/front", "--merge", "/rear"]
+    heading = ["--set", "recording.heading_topic=/heading"]
+    wheels = ["--set", "recording.velocity_topic=/wheels"]
+    odometry = ["--set", "recording.velocity_topic=/visual_odometry", "--set", "recording.velocity_of_poses=true"]
+    for name, words in ("wheels", lidars + heading + wheels), ("odometry", ["--topic", "/front"] + odometry):
+        out = folder / f"live_{name}"
+        with subprocess.Popen([peer, recording, "1"], stdout=subprocess.PIPE, text=True) as other:
+            expect(other.stdout.readline() == "ready\n", "the other side does not begin")
+            with subprocess.Popen([adit, "live", "ros2", "-o", out, "--wait", "60", *words], stdout=subprocess.PIPE,
+                                  stderr=subprocess.PIPE, text=True) as process:
+                other.communicate()
+                process.send_signal(signal.SIGTERM)
+                _, err = process.communicate()
+                expect(process.returncode == 0, f"{name}: exit code {process.returncode}\n{err}")
+        summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+        fused = summary["velocity"]["sensor"]["fused"]
+        expect(fused > 10, f"{name}: {fused} sweeps have their velocity\n{err}")
+        if name == "wheels":
+            headings = summary["map"]["gnss"]["headings"]["headings"]
+            expect(headings > 10, f"{headings} headings arrived\n{err}")
+            expect("/rear: " in err and " 0 points" not in err, f"the second lidar is not merged\n{err}")
+        run(adit, "run", out / "recording.mcap", "-o", folder / f"again_{name}", "--quiet", *words)
+        same_files(out, folder / f"again_{name}")
+
+
 def check_record(adit, peer, folder):
     recording = folder / "topics.mcap"
     with subprocess.Popen([peer, recording, "2"], stdout=subprocess.PIPE, text=True) as other:
@@ -340,6 +392,7 @@ def main():
         if len(sys.argv) == 3:
             check_no_topics(adit, folder)
             check_topics(adit, sys.argv[2], folder)
+            check_senses(adit, sys.argv[2], folder)
             check_record(adit, sys.argv[2], folder)
             check_gpsd(adit, sys.argv[2], folder)
 

@@ -155,6 +155,7 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
     result.outcome = *failed;
   } else {
     result.outcome = std::get<StateEstimate>(fused);
+    result.shares = graph_.shares();
     ++sweeps_;
   }
   return result;

@@ -32,6 +32,7 @@ struct FusedSweep {
   /// tell. 1 where there are too few.
   double scale = 1.0;
   std::vector<VelocityReport> velocities{};  ///< of the ways that were measured
+  std::optional<MotionShares> shares{};      ///< of the motion since the last sweep
 };
 
 /// The pose of the lidar that the matches of an alignment measured, whatever prior it was weighed

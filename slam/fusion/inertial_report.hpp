@@ -40,8 +40,9 @@ struct InertialReport {
   Innovation innovation;         ///< the alignment's innovation; 0 degrees where there was none
   double innovation_gate = 0.0;  ///< bound of its nis: beyond it the alignment is an outlier
   std::vector<VelocityReport>
-      velocities;              ///< of sensors that measured the way since the last sweep
-  double bridged_gap = 0.0;    ///< s, the longest time without readings that was bridged
+      velocities;                        ///< of sensors that measured the way since the last sweep
+  std::optional<MotionShares> shares{};  ///< of the motion since the last sweep, where it was fused
+  double bridged_gap = 0.0;              ///< s, the longest time without readings that was bridged
   bool compared = false;       ///< prediction and constant velocity, against the alignment:
   bool better_turn = false;    ///< the inertial prediction's rotation was nearer
   bool better_travel = false;  ///< its translation was

@@ -285,6 +285,7 @@ void InertialTracker::fuse(Fused& fused, const RegistrationResult* alignment,
   report.innovation = sweep.innovation;
   report.innovation_gate = sweep.innovation_gate;
   report.velocities = sweep.velocities;
+  report.shares = sweep.shares;
   if (const auto* failed = std::get_if<FailedCheck>(&sweep.outcome)) {
     lose(*failed);
     if (alignment != nullptr && !stuck_axis()) {

@@ -39,6 +39,8 @@ void SlidingGraph::start(const StatePrior& prior) {
           .between = {},
           .gravity_sigma = {}});
   marginal_ = chain_.states.front();
+  ledger_.start(marginal_.h);
+  shares_.reset();
 }
 
 void SlidingGraph::append(Node node) {
@@ -92,6 +94,7 @@ GraphEstimate SlidingGraph::add(std::vector<ImuSample> readings,
   if (std::holds_alternative<GraphFailure>(estimate)) {
     return estimate;
   }
+  shares_ = ledger_.add(newest_step(), nodes_[nodes_.size() - 2].state, latest());
   const bool resets = settings_.reset > 0 && size() >= settings_.reset;
   const int keep = settings_.reset > 0 ? (resets ? 1 : settings_.reset) : settings_.lag;
   while (size() > keep) {
@@ -140,6 +143,30 @@ LinkQuadratic SlidingGraph::link_quadratic(size_t to, const NavState& from_state
     sum += quadratic(factor, velocity_kernel(factor));
   }
   return sum;
+}
+
+// The walk's last three rows are of the velocity sensor's calibration.
+StepInformation SlidingGraph::newest_step() const {
+  const Node& node = nodes_.back();
+  const NavState& from = nodes_[nodes_.size() - 2].state;
+  StepInformation step;
+  step.range = state_quadratic(nodes_.size() - 1, node.state);
+  LinkFactor<12> walk =
+      walk_factor(settings_.noise, node.gravity_sigma, node.between.duration, from, node.state);
+  LinkFactor<3> calibration;
+  calibration.by_from = walk.by_from.bottomRows<3>();
+  calibration.by_to = walk.by_to.bottomRows<3>();
+  walk.by_from.bottomRows<3>().setZero();
+  walk.by_to.bottomRows<3>().setZero();
+  step.imu = quadratic(imu_factor(node.between, from, node.state));
+  step.imu += quadratic(walk);
+  step.velocity = quadratic(calibration);
+  for (const MeasuredWay& way : node.ways) {
+    const LinkFactor<3> factor = velocity_factor(way, from, node.state);
+    (way.source == VelocitySource::doppler ? step.doppler : step.velocity) +=
+        quadratic(factor, velocity_kernel(factor));
+  }
+  return step;
 }
 
 ChainQuadratic SlidingGraph::linearized(const std::vector<NavState>& states) const {

@@ -10,6 +10,7 @@
 
 #include "adit/slam/core/imu_noise.hpp"
 #include "adit/slam/fusion/graph_estimate.hpp"
+#include "adit/slam/fusion/motion_shares.hpp"
 #include "adit/slam/fusion/pose_factor.hpp"
 #include "adit/slam/fusion/state_chain.hpp"
 #include "adit/slam/fusion/state_prior.hpp"
@@ -46,6 +47,8 @@ class SlidingGraph {
   const NavState& latest() const { return nodes_.back().state; }
   GraphEstimate latest_estimate() const;
   int size() const { return static_cast<int>(nodes_.size()); }
+  /// What each source contributes to the motion that led to the newest state; none after a start.
+  const std::optional<MotionShares>& shares() const { return shares_; }
 
   /// Where the readings lead from the newest state, with covariance. They begin at its stamp.
   GraphEstimate predict(const std::vector<ImuSample>& readings) const;
@@ -73,6 +76,7 @@ class SlidingGraph {
                                const NavState& to_state) const;
   ChainQuadratic linearized(const std::vector<NavState>& states) const;
   std::vector<NavState> states() const;
+  StepInformation newest_step() const;
   void append(Node node);
   GraphEstimate optimize();
   void integrate_stale_again();
@@ -84,6 +88,8 @@ class SlidingGraph {
   std::deque<Node> nodes_;
   ChainQuadratic chain_;     ///< linearised at the nodes' estimates
   StateQuadratic marginal_;  ///< its marginal on the newest node
+  MotionLedger ledger_;
+  std::optional<MotionShares> shares_;
 };
 
 }  // namespace adit

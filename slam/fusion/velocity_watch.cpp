@@ -26,18 +26,33 @@ constexpr double kSigmas = 3.0;
 // An error of scale or direction that is usual by as much is not one that the calibration's prior
 // allows for, in its standard deviations.
 constexpr double kPriorSigmas = 4.0;
-// chi squared of three degrees of freedom that half stay below.
+// chi squared of three degrees of freedom that half, 95 % and 99.9 % stay below.
 constexpr double kMedianChiSquared = 2.366;
+constexpr double kLasting95 = 7.815;
+constexpr double kLasting999 = 16.27;
+// As many sweeps as the sliding graph has states (imu.lag): among them an error that lasts adds up.
+constexpr std::size_t kLasting = 20;
 
-template <class Value>
-double median_of(const std::deque<VelocityInnovation>& innovations, const Value& value) {
+template <class Remembered, class Value>
+double median_of(const std::deque<Remembered>& remembered, const Value& value) {
   std::vector<double> values;
-  std::ranges::transform(innovations, std::back_inserter(values), value);
+  std::ranges::transform(remembered, std::back_inserter(values),
+                         [&](const Remembered& one) { return value(one.innovation); });
   return median(std::move(values));
 }
 
-double median_nis(const std::deque<VelocityInnovation>& of) {
-  return median_of(of, &VelocityInnovation::nis);
+/// Covariance of a whitened residual by the predicted velocity and the calibration. The way errs as
+/// the velocity does.
+Eigen::Matrix3d whitened_common(const LinkFactor<3>& factor, const MeasuredWay& measured,
+                                const NavState& from, const StateEstimate& prediction) {
+  const Eigen::Matrix3d by_velocity = measured.duration *
+                                      factor.by_from.middleCols<3>(kPositionAt) *
+                                      from.T_map_body.linear().transpose();
+  const Eigen::Matrix3d by_calibration = factor.by_to.rightCols<3>();
+  return by_velocity * prediction.covariance.block<3, 3>(kVelocityAt, kVelocityAt) *
+             by_velocity.transpose() +
+         by_calibration * prediction.covariance.block<3, 3>(kScaleAt, kScaleAt) *
+             by_calibration.transpose();
 }
 
 }  // namespace
@@ -46,17 +61,8 @@ VelocityInnovation innovation(const MeasuredWay& measured, const NavState& from,
                               const StateEstimate& prediction) {
   const NavState& to = prediction.state;
   const LinkFactor<3> factor = velocity_factor(measured, from, to);
-  // The way errs as the velocity does.
-  const Eigen::Matrix3d by_velocity = measured.duration *
-                                      factor.by_from.middleCols<3>(kPositionAt) *
-                                      from.T_map_body.linear().transpose();
-  const Eigen::Matrix3d by_calibration = factor.by_to.rightCols<3>();
   const Eigen::Matrix3d covariance =
-      Eigen::Matrix3d::Identity() +
-      by_velocity * prediction.covariance.block<3, 3>(kVelocityAt, kVelocityAt) *
-          by_velocity.transpose() +
-      by_calibration * prediction.covariance.block<3, 3>(kScaleAt, kScaleAt) *
-          by_calibration.transpose();
+      Eigen::Matrix3d::Identity() + whitened_common(factor, measured, from, prediction);
   const Eigen::Vector3d calibrated = measured.calibrated(to.velocity) / measured.duration;
   const Eigen::Isometry3d T_from_to = from.T_map_body.inverse() * to.T_map_body;
   const Eigen::Vector3d predicted =
@@ -72,29 +78,68 @@ VelocityReport VelocityWatch::judge(MeasuredWay& measured, const NavState& from,
                                     const StateEstimate& prediction) {
   VelocityReport report{.source = measured.source,
                         .innovation = innovation(measured, from, prediction)};
-  note(report.innovation);
-  // Doppler speeds are of the range sensor itself: who stands still is held by them.
+  const Eigen::Matrix3d noise = measured.covariance / (measured.duration * measured.duration);
+  const Eigen::Matrix3d unwhitening = noise.llt().matrixL();
+  const Eigen::Matrix3d common = whitened_common(velocity_factor(measured, from, prediction.state),
+                                                 measured, from, prediction);
+  const bool moves = note({.innovation = report.innovation,
+                           .noise = noise,
+                           .common = unwhitening * common * unwhitening.transpose()});
+  // Doppler speeds are of the range sensor itself: they hold it where it stands still.
   report.on_trial = measured.source == VelocitySource::sensor && on_trial();
   report.refused = contradicted();
   report.comparison = comparison();
+  // An error that lasts does not average out: so many sweeps know no more than one of them.
+  const LastingError lasting = moves ? lasting_error() : LastingError{};
+  report.slips = lasting.chi2 > kLasting999;
+  const double certain = std::max(0.0, 1.0 - kLasting95 / std::max(lasting.chi2, 1e-9));
+  const Eigen::Vector3d way = measured.duration * lasting.mean;
   measured.covariance *= variance_scale();
+  measured.covariance += certain * static_cast<double>(lasting.sweeps) * way * way.transpose();
   report.covariance = measured.covariance / (measured.duration * measured.duration);
   return report;
 }
 
-void VelocityWatch::note(const VelocityInnovation& innovation) {
+bool VelocityWatch::note(const Remembered& one) {
+  const VelocityInnovation& innovation = one.innovation;
   const double speed = std::max(innovation.measured.norm(), innovation.predicted.norm());
   if (!std::isfinite(innovation.nis) || speed < kSigmas * innovation.sigma) {
-    return;
+    return false;
   }
-  moving_.push_back(innovation);
+  moving_.push_back(one);
   if (moving_.size() > kRemembered) {
     moving_.pop_front();
   }
+  return true;
 }
 
 double VelocityWatch::variance_scale() const {
-  return on_trial() ? 1.0 : std::max(1.0, median_nis(moving_) / kMedianChiSquared);
+  return on_trial() ? 1.0 : std::max(1.0, median_of(moving_, [](const auto& one) {
+                                            return one.nis;
+                                          }) / kMedianChiSquared);
+}
+
+LastingError VelocityWatch::lasting_error() const {
+  LastingError lasting;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d common = Eigen::Matrix3d::Zero();
+  const double scale = variance_scale();
+  const std::size_t most = std::min(kLasting, moving_.size());
+  for (std::size_t count = 1; count <= most; ++count) {
+    const Remembered& one = moving_[moving_.size() - count];
+    const auto n = static_cast<double>(count);
+    sum += one.innovation.error;
+    noise += scale * one.noise;
+    common += one.common;
+    const Eigen::Vector3d mean = sum / n;
+    const Eigen::Matrix3d covariance = noise / (n * n) + common / n;
+    const double chi2 = mean.dot(covariance.ldlt().solve(mean));
+    if (chi2 > lasting.chi2) {
+      lasting = {.mean = mean, .sweeps = count, .chi2 = chi2};
+    }
+  }
+  return lasting;
 }
 
 bool VelocityWatch::on_trial() const {
@@ -119,7 +164,7 @@ std::optional<VelocityComparison> VelocityWatch::comparison() const {
   Eigen::Matrix3d mixed = Eigen::Matrix3d::Zero();
   double measured = 0.0;
   double predicted = 0.0;
-  for (const VelocityInnovation& one : moving_) {
+  for (const auto& [one, noise, common] : moving_) {
     mixed += one.predicted * one.measured.transpose();
     measured += one.measured.squaredNorm();
     predicted += one.predicted.squaredNorm();

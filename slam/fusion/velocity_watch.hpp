@@ -33,14 +33,22 @@ struct VelocityComparison {
   double left = 0.0;            ///< m/s, root mean square of what remains then
 };
 
+/// An error of several sweeps in a row that has the same direction: wheels that slip.
+struct LastingError {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();  ///< m/s, body axes
+  std::size_t sweeps = 0;                          ///< up to the newest one
+  double chi2 = 0.0;  ///< of the mean, with noise that averages out: three degrees of freedom
+};
+
 /// What a sweep reports of a sensor of velocities.
 struct VelocityReport {
   VelocitySource source = VelocitySource::sensor;
   VelocityInnovation innovation;  ///< of the way since the last sweep
   /// (m/s)², of the mean velocity, body axes, as it is fused.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  bool on_trial = false;                           ///< the body has hardly moved since it came
-  bool refused = false;                            ///< it is not this body's velocity
+  bool on_trial = false;  ///< the body has hardly moved since it came
+  bool refused = false;   ///< it is not this body's velocity
+  bool slips = false;     ///< its lasting error is one that 99.9 % of honest ones do not have
   std::optional<VelocityComparison> comparison{};  ///< of the last seconds of motion
 
   bool fused() const { return !on_trial && !refused; }
@@ -58,9 +66,21 @@ class VelocityWatch {
                        const StateEstimate& prediction);
 
  private:
-  void note(const VelocityInnovation& innovation);
+  /// An innovation with what makes it up, (m/s)², body axes.
+  struct Remembered {
+    VelocityInnovation innovation;
+    /// Of what was read: independent from one sweep to the next.
+    Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
+    /// Of the predicted velocity and the calibration: the same for sweeps in a row.
+    Eigen::Matrix3d common = Eigen::Matrix3d::Zero();
+  };
+
+  /// False: the body hardly moves, and it is not kept.
+  bool note(const Remembered& one);
   /// What the variances that are promised are to be multiplied by, at least 1.
   double variance_scale() const;
+  /// Of the last sweeps; of those numbers of them the one that is least likely to be noise.
+  LastingError lasting_error() const;
   /// Too little motion has shown that it measures this body's velocity.
   bool on_trial() const;
   /// The last innovations are neither noise nor an error of scale or mounting that is estimated.
@@ -69,7 +89,7 @@ class VelocityWatch {
   std::optional<VelocityComparison> comparison() const;
 
   double scale_sigma_;
-  std::deque<VelocityInnovation> moving_;
+  std::deque<Remembered> moving_;
 };
 
 }  // namespace adit

@@ -210,6 +210,7 @@ void HeadingTies::judge_again(const PoseGraph& graph, const WorldFrame& frame) {
   }
   const PlacedMap place{.frame = &frame, .T_world_map = graph.T_world_map()};
   double squares = 0.0;
+  double chi2 = 0.0;
   std::size_t used = 0;
   for (const std::size_t i : part_of(graph)) {
     MapHeading& heading = headings_[i];
@@ -221,10 +222,13 @@ void HeadingTies::judge_again(const PoseGraph& graph, const WorldFrame& frame) {
     set_verdict(i, heading.chi2 < kHeadingGate ? HeadingVerdict::used : HeadingVerdict::outlier);
     if (heading.verdict == HeadingVerdict::used) {
       squares += innovation * innovation;
+      chi2 += heading.chi2;
       ++used;
     }
   }
-  report_.innovation = used == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(used));
+  const auto count = static_cast<double>(std::max<std::size_t>(1, used));
+  report_.innovation = std::sqrt(squares / count);
+  report_.innovation_squared = chi2 / count;
 }
 
 void HeadingTies::forget_place() {

@@ -81,7 +81,8 @@ struct HeadingReport {
       offset{};               ///< rad, of them against the fixes; none: fixes do not give a yaw
   double offset_sigma = 0.0;  ///< rad, of what it may be if both are right
   double innovation = 0.0;    ///< rad, rms residual of the used ones
-  bool placed = false;        ///< the map's first place came by them
+  double innovation_squared = 0.0;  ///< mean of it squared over its variance
+  bool placed = false;              ///< the map's first place came by them
 };
 
 }  // namespace adit

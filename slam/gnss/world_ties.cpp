@@ -359,6 +359,7 @@ void WorldTies::settle(PoseGraph& graph) {
 void WorldTies::measure(const PoseGraph& graph) {
   Vector3d squared = Vector3d::Zero();
   std::size_t heights = 0;
+  double chi2 = 0.0;
   Eigen::AlignedBox2d box;
   for (const MapFix& fix : fixes_) {
     const Vector3d p = p_map(graph, fix);
@@ -368,6 +369,7 @@ void WorldTies::measure(const PoseGraph& graph) {
       squared.head<2>() += left.head<2>().cwiseAbs2();
       squared.z() += has_height(fix.covariance) ? left.z() * left.z() : 0.0;
       heights += has_height(fix.covariance) ? 1U : 0U;
+      chi2 += fix.chi2;
     }
   }
   report_.extent = box.sizes().maxCoeff();
@@ -376,6 +378,7 @@ void WorldTies::measure(const PoseGraph& graph) {
   report_.vertical =
       std::sqrt(squared.z() / static_cast<double>(std::max<std::size_t>(1, heights)));
   report_.heights = heights;
+  report_.innovation_squared = chi2 / (used * (config_.height ? 3.0 : 2.0));
 }
 
 // Not where exchanging them makes no place on the Earth.

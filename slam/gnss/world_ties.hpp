@@ -59,6 +59,9 @@ struct GnssReport {
   double yaw_sigma = 0.0;   ///< rad, where a fit was found; 0: none
   double horizontal = 0.0;  ///< m, rms of what is left of used fixes
   double vertical = 0.0;
+  /// Squared, a degree of freedom, mean over used fixes: their distance from where the map has them
+  /// over its covariance.
+  double innovation_squared = 0.0;
   std::size_t heights = 0;   ///< used fixes with an altitude; 0: the map's altitude is a guess
   std::size_t asked = 0;     ///< fixes that could agree on a place, where many do not
   std::size_t agreeing = 0;  ///< and those of them that do

@@ -88,7 +88,6 @@ void GraphInformation::add(std::initializer_list<Block> blocks,
 }
 
 Eigen::SparseMatrix<double> GraphInformation::matrix() const {
-  constexpr double kWeak = 1e-8;
   std::vector<Eigen::Triplet<double>> entries = entries_;
   for (Eigen::Index i = 0; i < size(); ++i) {
     entries.emplace_back(i, i, kWeak);

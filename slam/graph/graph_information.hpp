@@ -47,7 +47,9 @@ class GraphInformation {
            const Eigen::Ref<const Eigen::MatrixXd>& information,
            const Eigen::Ref<const Eigen::VectorXd>& gradient);
 
-  /// The lower triangle of H, with 1e-8 added to its diagonal: what nothing tells stays where it
+  /// What matrix() adds to the diagonal.
+  static constexpr double kWeak = 1e-8;
+  /// The lower triangle of H, with kWeak added to its diagonal: what nothing tells stays where it
   /// is.
   Eigen::SparseMatrix<double> matrix() const;
   /// g.

@@ -36,6 +36,9 @@ struct LoopReport {
   /// The accepted loop that is farthest from where the odometry alone has it, in its standard
   /// deviations; known at the run's end.
   std::optional<LoopMove> farthest_from_odometry{};
+  /// Squared, a degree of freedom, mean over the accepted loops: what the map leaves of them at the
+  /// run's end.
+  double residual_squared = 0.0;
   double largest_correction = 0.0;  ///< m, that an optimisation moved the newest keyframe by
   std::vector<float> search_ms;     ///< host time per keyframe, with its waits for the device
 };

@@ -8,6 +8,9 @@
 #include <utility>
 
 #include "adit/slam/gnss/gnss_noise.hpp"
+#include "adit/slam/graph/graph_residuals.hpp"
+#include "adit/slam/graph/level_drift.hpp"
+#include "adit/slam/graph/loop_optimization.hpp"
 #include "adit/slam/registration/beam_spacing.hpp"
 #include "adit/slam/submaps/free_space.hpp"
 #include "adit/slam/submaps/submap_alignment.hpp"
@@ -23,6 +26,20 @@ double mutual_through(const KeyframeSubmap& from, const KeyframeSubmap& to,
                       const Eigen::Isometry3d& T_from_to) {
   return std::max(seen_through(RangeImage(from), to, T_from_to),
                   seen_through(RangeImage(to), from, T_from_to.inverse()));
+}
+
+/// LoopReport::residual_squared.
+double residual_of_loops(const PoseGraph& graph) {
+  const auto results = edge_results(graph, poses_of(graph), loop_kernels());
+  double chi2 = 0.0;
+  double loops = 0.0;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (results[i] && graph.edges()[i].kind == EdgeKind::loop) {
+      chi2 += results[i]->chi2;
+      loops += 1.0;
+    }
+  }
+  return chi2 / (6.0 * std::max(1.0, loops));
 }
 
 }  // namespace
@@ -182,11 +199,19 @@ void Mapper::finish() {
   report_.loops = assembly_.loops();
   if (report_.loops) {
     report_.loops->farthest_from_odometry = farthest_from_odometry(assembly_.graph());
+    report_.loops->residual_squared = residual_of_loops(assembly_.graph());
   }
   report_.outgrown = assembly_.outgrown();
   report_.gnss = assembly_.world().report();
   report_.localization = assembly_.localization();
   report_.components = connected_components(assembly_.graph()).components.size();
+  const PoseGraph& graph = assembly_.graph();
+  const bool is_tied = !graph.fixes().empty() || !graph.headings().empty() ||
+                       (report_.loops && report_.loops->accepted > 0);
+  if (is_tied && !report_.outgrown) {
+    report_.shares =
+        map_shares(with_level_drift(as_weighted(graph), report_.gnss.level_drift_scale));
+  }
 }
 
 // Whatever fails on the way, it is open no more: its sweeps have left the builder.

@@ -11,6 +11,7 @@
 
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/graph/keyframe_edge.hpp"
+#include "adit/slam/graph/map_shares.hpp"
 #include "adit/slam/mapping/map_assembly.hpp"
 #include "adit/slam/odometry/odometry.hpp"
 #include "adit/slam/registration/batch_aligner.hpp"
@@ -45,6 +46,8 @@ struct MapReport {
   std::optional<LoopReport> loops;  ///< none: not looked for
   GnssReport gnss;                  ///< what became of fixes
   Localization localization{};      ///< of the last keyframe
+  /// At the run's end; none where loops, fixes and headings have no part in the map.
+  std::optional<MapShares> shares{};
 };
 
 /// Makes a map of what the odometry has placed: keyframes with their submaps go to the store, edges

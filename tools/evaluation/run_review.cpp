@@ -23,9 +23,10 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double kJoined = 0.5;     // s between weak sweeps of one stretch
-constexpr std::size_t kFewest = 3;  // sweeps of a stretch
-constexpr std::size_t kNamed = 5;   // stretches in the text; all are in the JSON
+constexpr double kJoined = 0.5;      // s between weak sweeps of one stretch
+constexpr std::size_t kFewest = 3;   // sweeps of a stretch
+constexpr std::size_t kColumn = 13;  // where a row's text begins
+constexpr std::size_t kNamed = 5;    // stretches in the text; all are in the JSON
 
 bool is_weak(const SweepDirection& direction) {
   return direction.localizability == "partial" || direction.localizability == "none";
@@ -216,6 +217,8 @@ RunReview review_run(const std::filesystem::path& folder) {
   review.min_overlap = value_at<double>(summary, "/configuration/registration/min_overlap");
   review.ending = std::move(ending);
   review.verdict = read_verdict(summary);
+  review.sources =
+      sources_of(summary.is_object() ? summary.value("sources", ordered_json()) : ordered_json());
   return review;
 }
 
@@ -252,6 +255,7 @@ std::string describe(const RunReview& review) {
   text += "sweeps       " + counted(review.sweeps, [](const SweepRecord& s) { return s.state; }) +
           "\nimu          " + counted(review.sweeps, [](const SweepRecord& s) { return s.imu; }) +
           "\n";
+  text += review.sources.empty() ? "" : "sources      " + describe(review.sources, kColumn);
   text += "weakly held  ";
   for (std::size_t i = 0; i < std::min(kNamed, review.weak.size()); ++i) {
     text += (i == 0 ? "" : "             ") + weak_text(review.weak[i]) + "\n";
@@ -299,6 +303,7 @@ ordered_json to_json(const RunReview& review) {
                        {"reasons", review.verdict->reasons},
                        {"stretches", review.verdict->stretches}};
   }
+  json["sources"] = to_json(review.sources);
   json["weakly_held"] = ordered_json::array();
   for (const WeakStretch& weak : review.weak) {
     json["weakly_held"].push_back({{"begin_s", weak.begin},

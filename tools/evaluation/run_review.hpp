@@ -13,6 +13,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "adit/tools/results/run_sources.hpp"
 #include "adit/tools/results/sweep_table.hpp"
 
 namespace adit {
@@ -57,6 +58,7 @@ struct RunReview {
   std::optional<double> min_overlap;  ///< that the run's settings asked for
   std::optional<RunVerdict> verdict;  ///< none: an older run, or one that was killed
   std::optional<RunEnding> ending;    ///< none: these are not the sweeps of a run
+  std::vector<SourceWorth> sources;   ///< empty: summary.json has none
 };
 
 /// Reviews sweeps in the order of time; without min_overlap.

@@ -116,6 +116,15 @@ std::unique_ptr<EventStream> MergedRecording::events(const EventSelection& selec
   return std::make_unique<MergedStream>(*this, selection);
 }
 
+std::vector<std::pair<std::string, MergedCount>> MergedRecording::counts() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::pair<std::string, MergedCount>> counts;
+  for (std::size_t i = 0; i < counts_.size(); ++i) {
+    counts.emplace_back(topics_[sweeps_[i].topic].name, counts_[i]);
+  }
+  return counts;
+}
+
 std::vector<std::string> MergedRecording::notes() const {
   const std::lock_guard lock(mutex_);
   std::vector<std::string> notes;

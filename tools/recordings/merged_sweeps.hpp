@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "adit/slam/core/sweep_merger.hpp"
@@ -40,6 +41,8 @@ class MergedRecording final : public Recording {
   /// What became of each sensor's sweeps in the stream that ended last, a sentence each; none with
   /// one topic.
   std::vector<std::string> notes() const;
+  /// The same as numbers, by topic.
+  std::vector<std::pair<std::string, MergedCount>> counts() const;
 
  private:
   friend class MergedStream;

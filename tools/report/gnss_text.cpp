@@ -28,7 +28,9 @@ double yaw_sigma(const Georeference& georeference) {
   return std::sqrt(georeference.covariance(5, 5)) * 180.0 / std::numbers::pi;
 }
 
-std::string why_not(const GnssReport& gnss) {
+}  // namespace
+
+std::string why_not_placed(const GnssReport& gnss) {
   if (gnss.jump) {
     return "they give the map two places; map the part before or after the jump alone (--start, "
            "--count)";
@@ -67,6 +69,8 @@ std::string why_not(const GnssReport& gnss) {
       "from fixes that are 10 m apart at least: a longer path, or better fixes",
       gnss.extent, sigma);
 }
+
+namespace {
 
 constexpr std::array<std::string_view, 4> kAntennaParts{"x", "y", "z", "delay"};
 
@@ -112,7 +116,8 @@ std::string antenna_settings(const AntennaReport& antenna) {
 
 constexpr double kDegreesOf = 180.0 / std::numbers::pi;
 
-/// What is wrong with a source of headings, or why it does not count yet.
+}  // namespace
+
 std::string why_not_used(const HeadingReport& heading) {
   switch (heading.state) {
     case HeadingState::scattered:
@@ -130,6 +135,8 @@ std::string why_not_used(const HeadingReport& heading) {
                                    : "the map has no place in the world";
   }
 }
+
+namespace {
 
 nlohmann::ordered_json antenna_json(const AntennaReport& antenna) {
   nlohmann::ordered_json parts;
@@ -250,7 +257,7 @@ std::string describe(const GnssReport& gnss) {
     text += "; " + describe(*gnss.jump);
   }
   if (!gnss.georeference) {
-    return text + "; the map has no place in the world: " + why_not(gnss);
+    return text + "; the map has no place in the world: " + why_not_placed(gnss);
   }
   const Georeference& world = *gnss.georeference;
   const std::string height =
@@ -310,7 +317,7 @@ nlohmann::ordered_json to_json(const GnssReport& gnss) {
   }
   if (!gnss.georeference) {
     json["georeference"] = nullptr;
-    json["why_not"] = why_not(gnss);
+    json["why_not"] = why_not_placed(gnss);
     return json;
   }
   if (gnss.antenna.estimated) {

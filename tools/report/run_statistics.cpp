@@ -119,6 +119,7 @@ std::optional<SweepFailure> RunStatistics::add(std::size_t index, const Sweep& s
   inertial_.add(index, result.inertial);
   velocity_.add(result);
   radar_scans_ += result.radar ? 1 : 0;
+  shares_.add(result.inertial);
   assessor_.add(result);
   keyframes_ += result.keyframe ? 1 : 0;
   lost_points_ += static_cast<std::size_t>(result.lost_points);

@@ -16,6 +16,7 @@
 #include "adit/slam/odometry/verdict.hpp"
 #include "adit/tools/report/inertial_statistics.hpp"
 #include "adit/tools/report/left_out.hpp"
+#include "adit/tools/report/share_statistics.hpp"
 #include "adit/tools/report/velocity_statistics.hpp"
 
 namespace adit {
@@ -111,6 +112,9 @@ class RunStatistics {
   std::size_t deskewed() const { return deskewed_; }  ///< sweeps
   const InertialStatistics& inertial() const { return inertial_; }
   const VelocityFusionStatistics& velocity() const { return velocity_; }
+  const ShareStatistics& shares() const { return shares_; }
+  /// In force.
+  const Config& config() const { return config_; }
   std::size_t keyframes() const { return keyframes_; }
   std::size_t count(OdometryState state) const { return states_[static_cast<std::size_t>(state)]; }
   std::size_t count(RegistrationStatus status) const {
@@ -142,6 +146,7 @@ class RunStatistics {
   InertialStatistics inertial_;
   VelocityFusionStatistics velocity_;
   std::size_t radar_scans_ = 0;
+  ShareStatistics shares_;
   LeftOut left_out_;
   RunAssessor assessor_;
   MovedByLoops moved_by_loops_;

@@ -180,6 +180,17 @@ double rate(const RunOutcome& outcome, const RunStatistics& statistics) {
 
 }  // namespace
 
+std::vector<SourceWorth> run_sources(const RunDescription& run, const RunOutcome& outcome,
+                                     const RunStatistics& statistics) {
+  std::vector<SourceWorth> sources = motion_sources(statistics, outcome.lidars);
+  if (outcome.result.map) {
+    for (SourceWorth& one : map_sources(*outcome.result.map, run.config)) {
+      sources.push_back(std::move(one));
+    }
+  }
+  return sources;
+}
+
 ordered_json running_summary(const RunDescription& run) {
   return describe_run(run, "running",
                       "the run has not ended, or was killed: the files hold what it had by then");
@@ -210,6 +221,7 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
   if (outcome.result.map) {
     json["map"] = describe_map(*outcome.result.map);
   }
+  json["sources"] = to_json(run_sources(run, outcome, statistics));
   json["distance_m"] = statistics.distance();
   json["time"] = {{"start_s", outcome.start_s},
                   {"wall_s", outcome.wall_s},

@@ -17,6 +17,7 @@
 #include "adit/slam/core/config.hpp"
 #include "adit/tools/report/run_end.hpp"
 #include "adit/tools/report/run_statistics.hpp"
+#include "adit/tools/report/source_table.hpp"
 #include "adit/tools/results/high_rate_output.hpp"
 #include "adit/tools/results/run_outputs.hpp"
 
@@ -72,8 +73,13 @@ struct RunOutcome {
   uint64_t resident_peak_bytes = 0;             ///< of the process; 0: not told
   std::optional<HighRateStatistics> high_rate;  ///< none: not asked for
   std::vector<std::string> validation_messages;
-  std::optional<LiveReport> live{};  ///< of `adit live`
+  std::optional<LiveReport> live{};   ///< of `adit live`
+  std::vector<MergedLidar> lidars{};  ///< empty: there is one range sensor
 };
+
+/// All sources of the run.
+std::vector<SourceWorth> run_sources(const RunDescription& run, const RunOutcome& outcome,
+                                     const RunStatistics& statistics);
 
 /// summary.json as it stands while the run goes on: its status is "running". A process that is
 /// killed leaves this.

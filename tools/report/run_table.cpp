@@ -353,6 +353,10 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
     text += "imu      " + as_rows(inertial_text(statistics, brief)) + "\n";
   }
   text += map_rows(outcome, brief) + further_sensors_text(outcome, statistics);
+  if (const std::string shares = describe_shares(run_sources(run, outcome, statistics));
+      !shares.empty()) {
+    text += "sources  " + as_rows(shares) + "\n";
+  }
   text += brief ? "" : means_text(run, outcome, statistics);
   if (run.kept) {
     text += brief ? brief_files_text(run, outcome) : files_text(run, outcome);

@@ -20,6 +20,8 @@ constexpr double kStandsStill = 0.1;  // share of the speed
 constexpr double kOpposite = 0.9 * std::numbers::pi;
 constexpr double kTurned = 0.25;         // rad; a mounting that is off by less is estimated
 constexpr double kWellExplained = 0.25;  // share of the speed that remains at most
+// Of tyres: their radius changes by that with wear, load and pressure.
+constexpr double kOddScale = 0.03;
 constexpr double kKilometresAnHour = 1.0 / 3.6;
 
 constexpr std::array kSources = {VelocitySource::sensor, VelocitySource::doppler};
@@ -60,6 +62,7 @@ void VelocityFusionStatistics::add(const SweepResult& result) {
     } else if (report.fused()) {
       ++source.fused;
       source.nis += report.innovation.nis;
+      source.slips += report.slips ? 1U : 0U;
     }
   }
   moving_points_ += static_cast<std::size_t>(result.moving_points);
@@ -74,6 +77,53 @@ bool VelocityFusionStatistics::any() const {
   return std::ranges::any_of(sources_, [](const Source& one) { return one.sweeps > 0; });
 }
 
+// A scale is odd where it is off by more than two of its own standard deviations and by more than a
+// tyre's wear and pressure explain.
+std::string VelocityFusionStatistics::remark(VelocitySource which) const {
+  const Source& one = source(which);
+  if (one.contradiction) {
+    return "refused: " + describe(*one.contradiction);
+  }
+  std::string text;
+  const double scale = calibration_.scale;
+  if (which == VelocitySource::sensor && one.fused > 0 && std::abs(scale) > kOddScale &&
+      std::abs(scale) > 2.0 * calibration_sigma_[0]) {
+    text =
+        fmt::format("it reads {:.3f} times the velocity, which is corrected", 1.0 / (1.0 + scale));
+  }
+  if (one.slips > 0) {
+    text += text.empty() ? "" : "; ";
+    text +=
+        fmt::format("it deviates for a while (slip?) in {} sweeps, which count less", one.slips);
+  }
+  return text;
+}
+
+std::vector<SourceWorth> VelocityFusionStatistics::sources(const Config& config,
+                                                           const ShareStatistics& shares) const {
+  std::vector<SourceWorth> sources;
+  for (const VelocitySource which : kSources) {
+    const Source& one = source(which);
+    if (one.sweeps == 0) {
+      continue;
+    }
+    const bool is_sensor = which == VelocitySource::sensor;
+    sources.push_back(
+        {.name = is_sensor ? "velocity" : "doppler",
+         .topic = is_sensor ? config.recording.velocity_topic.value_or("") : "",
+         .unit = "sweeps",
+         .used = one.fused,
+         .refused = one.refused,
+         .left_out = one.sweeps - one.fused - one.refused,
+         .remark = remark(which),
+         .innovation_squared = one.fused > 0
+                                   ? std::optional(one.nis / (3.0 * static_cast<double>(one.fused)))
+                                   : std::nullopt,
+         .shares = shares.of(is_sensor ? MotionSource::velocity : MotionSource::doppler)});
+  }
+  return sources;
+}
+
 ordered_json VelocityFusionStatistics::to_json() const {
   ordered_json json = ordered_json::object();
   for (const VelocitySource which : kSources) {
@@ -85,6 +135,7 @@ ordered_json VelocityFusionStatistics::to_json() const {
     of = {{"sweeps", one.sweeps},
           {"fused", one.fused},
           {"refused", one.refused},
+          {"slipping", one.slips},
           {"innovation_squared_per_degree",
            one.fused > 0 ? ordered_json(one.nis / (3.0 * static_cast<double>(one.fused)))
                          : ordered_json()},
@@ -120,8 +171,8 @@ std::vector<std::string> VelocityFusionStatistics::text() const {
     if (moving_points_ > 0 && which == VelocitySource::doppler) {
       line += fmt::format(", {} moving points left out", moving_points_);
     }
-    if (one.contradiction) {
-      line += "; refused: " + describe(*one.contradiction);
+    if (const std::string odd = remark(which); !odd.empty()) {
+      line += "; " + odd;
     }
     lines.push_back(line);
   }

@@ -12,7 +12,10 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "adit/slam/core/config.hpp"
 #include "adit/slam/odometry/odometry.hpp"
+#include "adit/tools/report/share_statistics.hpp"
+#include "adit/tools/results/run_sources.hpp"
 
 namespace adit {
 
@@ -28,6 +31,8 @@ class VelocityFusionStatistics {
 
   /// The "velocity" of summary.json.
   nlohmann::ordered_json to_json() const;
+  /// Those that measured something, by the names "velocity" and "doppler".
+  std::vector<SourceWorth> sources(const Config& config, const ShareStatistics& shares) const;
   /// A line for people for each source, without their ends.
   std::vector<std::string> text() const;
 
@@ -36,9 +41,12 @@ class VelocityFusionStatistics {
     std::size_t sweeps = 0;   ///< whose way from the sweep before it was measured
     std::size_t fused = 0;    ///< of them
     std::size_t refused = 0;  ///< likewise; the others were on trial
+    std::size_t slips = 0;    ///< fused, with an error that lasts
     double nis = 0.0;         ///< sum over those that were fused
     std::optional<VelocityComparison> contradiction{};  ///< the last of a refused way
   };
+  /// For people: what is odd about a source, or why it was refused; empty: nothing.
+  std::string remark(VelocitySource which) const;
   const Source& source(VelocitySource which) const {
     return sources_[static_cast<std::size_t>(which)];
   }

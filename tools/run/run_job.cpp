@@ -319,6 +319,10 @@ MappedRun map(const RunCommandOptions& options, const PreparedRun& run, JobOutpu
                   .placed = placed,
                   .progress = progress,
                   .quiet = options.quiet});
+  for (const auto& [topic, count] : run.merged->counts()) {
+    mapped.outcome.lidars.push_back(
+        {.topic = topic, .sweeps = count.merged, .of = statistics.sweeps()});
+  }
   mapped.mounting = slam->mounting();
   mapped.config = with_mounting(slam->config(), mapped.mounting);
   if (view != nullptr) {

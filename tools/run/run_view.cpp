@@ -13,6 +13,7 @@
 
 #include <fmt/core.h>
 
+#include "adit/tools/report/source_table.hpp"
 #include "adit/tools/report/verdict_text.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/stop_signal.hpp"
@@ -78,7 +79,8 @@ void RunView::add(const SweepPlaced& placed, const RunStatistics& statistics, st
                      .of = sweeps,
                      .failed = statistics.failures().size(),
                      .verdict = std::string(to_string(verdict.trust)),
-                     .stretches = last_stretches(verdict, *first_)});
+                     .stretches = last_stretches(verdict, *first_),
+                     .sources = motion_sources(statistics)});
 }
 
 void RunView::end_mapping(const RunOutcome& outcome, const RunStatistics& statistics, Trust trust) {

@@ -51,7 +51,8 @@ ordered_json empty_scene(const std::string& title) {
           {"tiled_poses", none},
           {"sweeps", {{"time", none}, {"keyframe", none}, {"pose", none}}},
           {"plots", LivePlots::nothing()},
-          {"weak", {{"sweep", none}, {"axis", none}, {"none", none}}}};
+          {"weak", {{"sweep", none}, {"axis", none}, {"none", none}}},
+          {"sources", none}};
 }
 
 bool is_elsewhere(const Eigen::Isometry3d& now, const Eigen::Isometry3d& before) {
@@ -232,6 +233,7 @@ std::string LiveScene::text_since(uint64_t told) const {
                          {"of", progress_.of},
                          {"failed", progress_.failed},
                          {"verdict", progress_.verdict}}},
+                       {"sources", to_json(progress_.sources)},
                        {"from", first - poses_.begin()},
                        {"sweeps", json_of(added, span_)}};
   const auto clouds_json = [this](const auto& list) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "adit/slam/executor/slam.hpp"
+#include "adit/tools/results/run_sources.hpp"
 #include "adit/tools/results/sweep_table.hpp"
 #include "adit/tools/viewer/cloud_tiles.hpp"
 
@@ -46,6 +47,7 @@ struct LiveProgress {
   std::size_t failed = 0;                ///< could not be aligned
   std::string verdict{};                 ///< on the sweeps so far
   std::vector<LiveStretch> stretches{};  ///< likewise; the last ones, where there are many
+  std::vector<SourceWorth> sources{};    ///< of the motion so far
 };
 
 /// A sweep on its way to the page.

@@ -304,7 +304,8 @@ void ViewData::make_scene(bool has_intensity, const std::vector<MapKeyframe>& ti
                     {"sweeps", json_of(sweeps_, span_)},
                     {"map", map_.string()},
                     {"plots", run.plots},
-                    {"weak", run.weak}});
+                    {"weak", run.weak},
+                    {"sources", run.sources}});
 }
 
 std::string ViewData::tile(uint32_t number) const {

@@ -87,14 +87,20 @@ ordered_json curve_of(const PlotCurve& curve, const std::vector<SweepRecord>& sw
 }
 
 /// Of a run that has ended; times of a summary count from its first sweep.
+/// An object without keys where there is none, or no JSON.
+ordered_json summary_of(const std::filesystem::path& summary) {
+  ordered_json json = std::filesystem::exists(summary)
+                          ? ordered_json::parse(read_text_file(summary), nullptr, false)
+                          : ordered_json();
+  return json.is_object() ? json : ordered_json::object();
+}
+
 ordered_json stretches_json(const std::filesystem::path& summary, const ViewSpan& span,
                             Nanoseconds first) {
   ordered_json list = ordered_json::array();
-  const ordered_json json = std::filesystem::exists(summary)
-                                ? ordered_json::parse(read_text_file(summary), nullptr, false)
-                                : ordered_json();
+  const ordered_json json = summary_of(summary);
   const ordered_json::json_pointer at("/verdict/stretches");
-  if (!json.is_object() || !json.contains(at) || !json[at].is_array()) {
+  if (!json.contains(at) || !json[at].is_array()) {
     return list;
   }
   const double offset = span.seconds_of(first);
@@ -197,7 +203,7 @@ ordered_json plotted(double value) {
 }
 
 ViewRun no_run() {
-  return {.plots = nullptr, .weak = weak_json({})};
+  return {.plots = nullptr, .weak = weak_json({}), .sources = ordered_json::array()};
 }
 
 ViewRun run_of(const std::filesystem::path& folder, const ViewSpan& span,
@@ -209,7 +215,9 @@ ViewRun run_of(const std::filesystem::path& folder, const ViewSpan& span,
   try {
     const std::vector<SweepRecord> records = read_sweep_table(table);
     return {.plots = plots_json(records, span, folder),
-            .weak = weak_json(weak_directions(records, sweeps))};
+            .weak = weak_json(weak_directions(records, sweeps)),
+            .sources = to_json(sources_of(
+                summary_of(folder / "summary.json").value("sources", ordered_json::array())))};
   } catch (const FileError& error) {
     progress << "note: there are no plots: " << error.what() << "\n";
     return no_run();

@@ -13,6 +13,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "adit/tools/results/run_sources.hpp"
 #include "adit/tools/results/sweep_table.hpp"
 #include "adit/tools/viewer/view_graph.hpp"
 
@@ -48,6 +49,8 @@ struct ViewRun {
   /// Directions of translation that were held in part or not at all (unit, map axes), with the
   /// position of their sweep in "sweeps".
   nlohmann::ordered_json weak;
+  /// What each source was worth, as summary.json has it; an empty list where it has none.
+  nlohmann::ordered_json sources;
 };
 
 /// What has no `sweeps.csv`.

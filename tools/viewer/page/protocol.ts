@@ -24,6 +24,20 @@ export interface Plots {
   stretches: { state: string; begin: number; end: number; text: string }[];  // s; "doubtful" or "lost"
 }
 
+/** A source of measurements, and what it was worth: "sources" of summary.json. */
+export interface Source {
+  name: string;
+  topic: string | null;
+  estimate: 'motion' | 'map';
+  unit: string;
+  used: number;
+  refused: number;
+  left_out: number;
+  remark: string | null;
+  innovation_squared_per_degree: number | null;
+  shares: Record<string, number> | null;  // of the information about each part, 1 over all sources of the estimate
+}
+
 export interface Scene {
   type: 'scene';
   live?: boolean;            // of a run that goes on: what there is comes with Live
@@ -44,6 +58,7 @@ export interface Scene {
   plots: Plots | null;       // of a run's folder, or of a run that goes on: then values come with Live
   /** Directions that sweeps are not held in, in the map's frame: numbers of sweeps, and x, y, z of each. */
   weak: { sweep: number[]; axis: number[]; none: boolean[] };
+  sources: Source[];         // of a run's folder; of a run that goes on they come with Live
 }
 
 export interface Loop {
@@ -98,6 +113,7 @@ export interface Live {
   intensity: boolean;        // points have one
   seconds: number;           // in the recording
   progress: { sweeps: number; of: number; failed: number; verdict: string };
+  sources: Source[];         // so far
   from: number;              // the trajectory's sweeps from this one on are those of `sweeps`
   sweeps: Scene['sweeps'];
   newest?: PlacedClouds;     // the newest sweep, none before the first

@@ -28,6 +28,7 @@ import { sectionAlong } from './section';
 import { Sensor, sensorPose } from './sensor';
 import type { FoundPoint, ShownCloud } from './shown_cloud';
 import { colourOf, overlaidLoop, showKeyframes } from './shown_keyframes';
+import { showSources } from './sources';
 import { statusText } from './status_text';
 import { TimeLine } from './time_line';
 import { fromHash, OVERLAYS, toHash, type ViewState } from './view_state';
@@ -105,6 +106,7 @@ export class View implements Listener, Actions {
     if (scene.live) this.timeLine.setLive(this.state.time);
     else this.timeLine.set(scene.seconds, this.state.time);
     this.plots.set(scene.plots ?? null, scene.seconds);
+    showSources(scene.sources ?? []);
     this.fitBox();
     if (another) this.restoreEye();
     this.painter.draw();
@@ -158,6 +160,7 @@ export class View implements Listener, Actions {
     cloud.follow(live);
     if (begins) this.panel.offer(scene, this.graphShown);
     this.plots.grow(live);
+    showSources(live.sources ?? []);
     this.timeLine.grow(live.seconds);
     this.apply();
     if (this.timeLine.now === null) this.painter.motion();
