@@ -185,7 +185,7 @@ TEST_F(ColoredProducts, OfOtherProgramsAreReadAsTheyHaveThem) {
   };
   EXPECT_EQ(pcd("U", "1 1 1 16711731\n2 2 2 66051\n"), expected);
   EXPECT_EQ(pcd("F", "1 1 1 16711731\n2 2 2 66051\n"), expected);
-  EXPECT_EQ(pcd("F", "1 1 1 2.3418052e-38\n2 2 2 9.2557e-41\n"), expected);
+  EXPECT_EQ(pcd("F", "1 1 1 2.341812298650944e-38\n2 2 2 9.25571648671185e-41\n"), expected);
 }
 
 TEST_F(ColoredProducts, TheLasFamilyHasThemIn16Bits) {

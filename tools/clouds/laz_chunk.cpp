@@ -14,6 +14,7 @@
 
 #include "adit/tools/clouds/arithmetic_coder.hpp"
 #include "adit/tools/clouds/laz_color.hpp"
+#include "adit/tools/clouds/laz_color_layer.hpp"
 #include "adit/tools/clouds/laz_series.hpp"
 #include "adit/tools/support/raw_bytes.hpp"
 
@@ -429,8 +430,8 @@ UnpackedChunk unpack_laz_chunk(std::span<const std::byte> chunk, std::size_t cou
   const std::size_t sizes_at = layout.point_bytes + sizeof(uint32_t);
   std::size_t at = sizes_at + layout.layers * sizeof(uint32_t);
   UnpackedChunk unpacked;
-  if (layout.point_bytes < kLas6Bytes || layout.layers < kLayers || chunk.size() < at ||
-      count == 0) {
+  if (layout.point_bytes < layout.unpacked_bytes() ||
+      layout.layers < kLayers + (layout.colored ? 1 : 0) || chunk.size() < at || count == 0) {
     return unpacked;
   }
   const char* const bytes = reinterpret_cast<const char*>(chunk.data());
@@ -455,6 +456,14 @@ UnpackedChunk unpack_laz_chunk(std::span<const std::byte> chunk, std::size_t cou
   unpacked.is_whole = is_whole && std::ranges::none_of(codec.coders(), [](const auto& coder) {
                         return coder && coder->is_overrun();
                       });
+  if (layout.colored) {
+    const std::size_t size = load_raw<uint32_t>(bytes, sizes_at + kLayers * sizeof(uint32_t));
+    const std::size_t there = std::min(size, chunk.size() - std::min(at, chunk.size()));
+    ColorLayer layer(chunk.subspan(std::min(at, chunk.size()), there),
+                     load_raw<LazColor>(bytes, kLas6Bytes), scanner_channel(bytes));
+    unpacked.points = with_colors(unpacked.points, {bytes, layout.point_bytes}, layer);
+    unpacked.is_whole = unpacked.is_whole && there == size && !layer.is_overrun();
+  }
   return unpacked;
 }
 

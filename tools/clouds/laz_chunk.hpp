@@ -25,6 +25,10 @@ std::string pack_laz_chunk(std::string_view points, const LasPointLayout& layout
 struct LazChunkLayout {
   std::size_t point_bytes = kLas6Bytes;
   std::size_t layers = 9;  ///< of all items
+  bool colored = false;    ///< formats 7, 8 and 10
+
+  /// Of what is unpacked: the first 30 bytes of each point, and its red, green and blue.
+  std::size_t unpacked_bytes() const { return kLas6Bytes + (colored ? kLasColorBytes : 0); }
 };
 
 struct UnpackedChunk {
@@ -32,7 +36,8 @@ struct UnpackedChunk {
   bool is_whole = false;  ///< neither cut off nor damaged, as far as it can be seen
 };
 
-/// The first 30 bytes of each of `count` points, which is what formats 6 to 10 have in common.
+/// The first bytes of each of `count` points, as many as the layout says: what formats 6 to 10 have
+/// in common, and colours.
 UnpackedChunk unpack_laz_chunk(std::span<const std::byte> chunk, std::size_t count,
                                const LazChunkLayout& layout);
 

@@ -144,6 +144,8 @@ std::optional<LazLayout> layout_of(const LazFormat& format, const LazSource& sou
     }
     bytes += item.bytes;
     layout.layers.layers += layers_of(item);
+    layout.layers.colored = layout.layers.colored || item.kind == LazItemKind::color14 ||
+                            item.kind == LazItemKind::color_nir14;
     layout.pointwise.has_time = layout.pointwise.has_time || item.kind == LazItemKind::time11;
     layout.pointwise.has_color = layout.pointwise.has_color || item.kind == LazItemKind::color12;
     layout.pointwise.extra_bytes = is_extra ? item.bytes : 0;
@@ -266,8 +268,8 @@ LazPoints unpack_laz(std::span<const std::byte> file, const LazSource& source) {
     return file.subspan(chunk.begin, chunk.bytes);
   };
   if (layout->layered) {
-    return unpack_chunks(layered_chunks(file, source, layout->layers), source.points, kLas6Bytes,
-                         [&](const LazChunk& chunk) {
+    return unpack_chunks(layered_chunks(file, source, layout->layers), source.points,
+                         layout->layers.unpacked_bytes(), [&](const LazChunk& chunk) {
                            return unpack_laz_chunk(bytes_of(chunk), chunk.points, layout->layers);
                          });
   }

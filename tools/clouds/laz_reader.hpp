@@ -20,7 +20,7 @@ struct LazSource {
 
 struct LazPoints {
   std::string bytes{};          ///< of whole points, as a LAS file has them
-  std::size_t point_bytes = 1;  ///< of each: of formats 6 to 10 the first 30 alone
+  std::size_t point_bytes = 1;  ///< of each: of formats 6 to 10 the first 30 and colours
   std::string fault{};          ///< what is damaged; empty: nothing
 };
 
