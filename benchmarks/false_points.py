@@ -9,7 +9,7 @@ already of a scene and seed is not made again, but for the export.
 
 The carrier of the sensor is in view everywhere; the panes of the office mirror. Truth: NAME.truth.surfaces (0: melted of
 two surfaces, dust; 127: mirrored; 126: carrier) and NAME.truth.labels. One line a scene and program: of each kind its
-share of all returns, and the share of it with one of the classes 7, 18, 64 to 67; at last the share of all other
+share of all returns, and the share of it with one of the classes 7, 18, 64 to 66; at last the share of all other
 returns that has one: the median of the seeds, and in brackets the worst.
 
 Exit codes: 0 done, 1 a command failed, 2 usage.
@@ -28,7 +28,7 @@ except ImportError as error:
 
 from clean_clouds import adit, read_las
 
-MARKED = (7, 18, 64, 65, 66, 67)
+MARKED = (7, 18, 64, 65, 66)
 MIRRORED, CARRIER = 127, 126
 # Scene: way of moving, and more for `adit simulate`.
 SCENES = {"office": ("walk", "--reflections"), "city": ("drive",), "mine": ("drive",)}

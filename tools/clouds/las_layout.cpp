@@ -56,7 +56,6 @@ std::string class_names() {
   }
   name(LasClass::unclassified, "unclassified");
   name(LasClass::moving, "moving");
-  name(LasClass::mirrored, "mirrored");
   name(LasClass::mixed, "mixed");
   name(LasClass::carrier, "carrier");
   return bytes;

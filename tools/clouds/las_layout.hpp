@@ -26,9 +26,8 @@ enum class LasClass : uint8_t {
   low_noise = 7,    ///< below the ground
   high_noise = 18,  ///< anywhere else
   moving = 64,      ///< other sweeps saw through it
-  mirrored = 65,    ///< an image in a pane of glass
-  mixed = 66,       ///< a beam on an edge measured between two surfaces
-  carrier = 67,     ///< a part of what carries the sensor
+  mixed = 65,       ///< a beam on an edge measured between two surfaces
+  carrier = 66,     ///< a part of what carries the sensor
 };
 
 struct LasPoint {

@@ -21,11 +21,10 @@ void add_class_options(const Command& command, ExportCommandOptions& options) {
                "Finds the ground, of each storey that the path leads over: class 2 of LAS files, "
                "others 1; PLY and PCD files get the class of each point");
   command
-      .option(
-          "--clean", options.clean,
-          "Finds noise, points that nothing is beside, and what has moved, as --find-moving: "
-          "mark (classes 7 below the ground, 18 elsewhere, 64 moving, 65 images in glass, 66 mixed "
-          "pixels, 67 the carrier; the last two of --dense) or drop")
+      .option("--clean", options.clean,
+              "Finds noise, points that nothing is beside, and what has moved, as --find-moving: "
+              "mark (classes 7 below the ground, 18 elsewhere, 64 moving; of --dense also 65 mixed "
+              "pixels and 66 the sensor's carrier) or drop")
       .one_of({"mark", "drop"})
       .value_name("HOW");
 }

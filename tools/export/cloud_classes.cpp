@@ -7,7 +7,6 @@
 
 #include <fmt/core.h>
 
-#include "adit/slam/core/text.hpp"
 #include "adit/tools/export/export_contours.hpp"
 #include "adit/tools/support/progress.hpp"
 
@@ -31,25 +30,6 @@ NoiseSpace find_noise(const ExportJob& job) {
   return noise;
 }
 
-MirrorSpace find_mirrors(const ExportJob& job) {
-  std::optional<Progress> progress;
-  MirrorSpace mirrors = find_mirror_space(
-      *job.map, job.memory->submap_bytes(), [&](std::size_t done, std::size_t total) {
-        if (!progress) {
-          progress.emplace(*job.err, progress_style_of_stderr(), "mirrors", total,
-                           Progress::Clock::now(), "keyframes");
-        }
-        progress->update(done, 0);
-        require_within(job);
-      });
-  if (progress) {
-    progress->finish();
-  }
-  *job.out << fmt::format("mirrors {} voxels of {} m hold images of {} panes of glass\n",
-                          mirrors.voxels(), shortest(mirrors.edge()), mirrors.panes);
-  return mirrors;
-}
-
 }  // namespace
 
 CloudClasses find_classes(const ExportJob& job, const ProductCoordinates& coordinates) {
@@ -61,7 +41,6 @@ CloudClasses find_classes(const ExportJob& job, const ProductCoordinates& coordi
   }
   if (!options.clean.empty()) {
     classes.noise = std::make_shared<const NoiseSpace>(find_noise(job));
-    classes.mirrors = std::make_shared<const MirrorSpace>(find_mirrors(job));
   }
   return classes;
 }
@@ -75,9 +54,6 @@ CloudSelection with_classes(CloudSelection selection, const CloudClasses& classe
       if (classes.noise && classes.noise->contains(in_map)) {
         return classes.ground && classes.ground->is_below(in_product) ? LasClass::low_noise
                                                                       : LasClass::high_noise;
-      }
-      if (classes.mirrors && classes.mirrors->contains(in_map)) {
-        return LasClass::mirrored;
       }
       return classes.ground && classes.ground->is_ground(in_product) ? LasClass::ground
                                                                      : LasClass::unclassified;
@@ -111,9 +87,7 @@ std::string ClassFilter::text() const {
     text += fmt::format("; {} ground", count(LasClass::ground));
   }
   if (classes_->noise) {
-    text += fmt::format("; {} noise, {} mirrored",
-                        count(LasClass::low_noise) + count(LasClass::high_noise),
-                        count(LasClass::mirrored));
+    text += fmt::format("; {} noise", count(LasClass::low_noise) + count(LasClass::high_noise));
     if (classes_->looks_at_sweeps) {
       text +=
           fmt::format(", {} mixed, {} carrier", count(LasClass::mixed), count(LasClass::carrier));

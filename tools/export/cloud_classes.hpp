@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "adit/tools/export/export_job.hpp"
-#include "adit/tools/map_products/mirror_space.hpp"
 #include "adit/tools/map_products/noise_space.hpp"
 #include "adit/tools/plans/ground_planes.hpp"
 
@@ -22,7 +21,6 @@ namespace adit {
 struct CloudClasses {
   std::shared_ptr<const GroundPlanes> ground{};  ///< null: it was not looked for
   std::shared_ptr<const NoiseSpace> noise{};     ///< the same
-  std::shared_ptr<const MirrorSpace> mirrors{};  ///< the same
   bool ground_is_class = false;                  ///< of --classify
   bool drop = false;                             ///< noise and what moves is left out
   bool looks_at_sweeps = false;  ///< mixed pixels and the carrier are looked for: of dense clouds
@@ -45,7 +43,7 @@ class ClassFilter {
   /// Those that go into the file; valid until the next call.
   std::span<const CloudPoint> pass(std::span<const CloudPoint> points);
 
-  /// "; 1234 ground; 12 noise, 3 mirrored and 34 moving left out" for people; nothing where no
+  /// "; 1234 ground; 12 noise and 34 moving left out" for people; nothing where no
   /// class was looked for.
   std::string text() const;
 

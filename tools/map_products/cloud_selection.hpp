@@ -36,7 +36,7 @@ struct CloudPoint {
   LasClass classification = LasClass::unclassified;
   std::array<uint8_t, 3> color{};  ///< red, green, blue; black where no camera saw it
 };
-/// Of no surface of the place: low or high noise, mirrored, mixed, the carrier.
+/// Of no surface of the place: low or high noise, mixed, the carrier.
 bool is_noise(LasClass one);
 /// Its classification; what moves is of the class `moving`.
 LasClass class_of(const CloudPoint& point);
