@@ -342,6 +342,16 @@ TEST_F(FaultTest, ReturnsAreLostOrNotANumber) {
   EXPECT_EQ(behind(read({"blocked-sector"})), 0);
 }
 
+TEST_F(FaultTest, TheOwnCarrierIsInViewWhereItIsMounted) {
+  const auto at_post = [](const Read& recording) {
+    return std::ranges::count_if(recording.sweeps.front().points, [](const Point& point) {
+      return std::abs(std::hypot(point.x + 0.5, point.y - 0.7) - 0.04) < 0.1;
+    });
+  };
+  EXPECT_EQ(at_post(read({})), 0);
+  EXPECT_GT(at_post(read({"own-carrier"})), 16 * 20);
+}
+
 TEST_F(FaultTest, ATruncatedFileIsReadUpToItsEnd) {
   const Read cut = read({"truncated"});
   EXPECT_GE(cut.sweeps.size(), 7U);

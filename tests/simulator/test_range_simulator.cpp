@@ -159,6 +159,58 @@ TEST(RangeSimulator, MostPulsesGoThroughGlass) {
   EXPECT_NEAR(stopped / (through + stopped), 0.1, 0.01);
 }
 
+/// The returns of a sweep at rest whose x (m) is within a millimetre of `x`, of such a surface.
+int64_t returns_at(const RangeSweep& sweep, double x, uint8_t surface) {
+  return static_cast<int64_t>(std::ranges::count_if(
+      std::views::iota(std::size_t{0}, sweep.firings.size()), [&](std::size_t i) {
+        const Firing& firing = sweep.firings[i];
+        const double at = firing.origin.x() + sweep.returns[i].range * firing.direction.x();
+        return std::abs(at - x) < 1e-3 && (sweep.returns[i].surface & 127U) == surface;
+      }));
+}
+
+TEST(RangeSimulator, APaneOfGlassShowsWhatIsBeforeItBehindIt) {
+  constexpr uint8_t kGlass = static_cast<uint8_t>(Material::glass) + 1;
+  Scene scene = wall(5.0, Material::glass);
+  add_block(scene.mesh, {-3.2, -9.0, -9.0}, {-3.0, 9.0, 9.0}, Material::plaster);
+  const SplineTrajectory rest = test::at_rest();
+  const auto sweep_of = [&](bool reflections) {
+    RangeEffects effects = kNone;
+    effects.reflections = reflections;
+    return RangeSimulator(scene, range_sensor_named("VLP-16"), {.trajectory = &rest}, 1, effects)
+        .sweep(0);
+  };
+  const RangeSweep plain = sweep_of(false);
+  const RangeSweep mirrors = sweep_of(true);
+  EXPECT_EQ(returns_at(plain, 13.0, kMirrored), 0);
+  // The wall at -3 m is 8 m before the pane: it is measured 8 m behind it.
+  EXPECT_GT(returns_at(mirrors, 13.0, kMirrored), 1000);
+  const auto mirrored = [](const Return& one) { return one.surface == kMirrored; };
+  EXPECT_EQ(std::ranges::count_if(mirrors.returns, mirrored), returns_at(mirrors, 13.0, kMirrored));
+  // The pane itself answers a pulse in ten, and where it is square to the beam.
+  EXPECT_GE(returns_at(mirrors, 5.0, kGlass), returns_at(plain, 5.0, kGlass));
+  EXPECT_LT(returns_at(mirrors, 5.0, kGlass), returns_at(mirrors, 13.0, kMirrored));
+}
+
+TEST(RangeSimulator, WhatIsBehindGlassOutshinesWhatIsMirroredUnlessSeenAtASlant) {
+  Scene scene = wall(5.0, Material::glass);
+  add_block(scene.mesh, {-3.2, -90.0, -9.0}, {-3.0, 90.0, 9.0}, Material::plaster);
+  add_block(scene.mesh, {9.0, -90.0, -9.0}, {9.2, 90.0, 9.0}, Material::plaster);
+  const SplineTrajectory rest = test::at_rest();
+  RangeEffects effects = kNone;
+  effects.reflections = true;
+  const RangeSweep sweep =
+      RangeSimulator(scene, range_sensor_named("VLP-16"), {.trajectory = &rest}, 1, effects)
+          .sweep(0);
+  for (std::size_t i = 0; i < sweep.firings.size(); ++i) {
+    if (sweep.returns[i].surface == kMirrored) {
+      // Both walls send their light back through or off the pane at the same angle: R^2 / 13^2
+      // exceeds (1 - R)^2 / 9^2 where R > 0.59, from 82 degrees on by Schlick's approximation.
+      EXPECT_LT(sweep.firings[i].direction.x(), 0.14);
+    }
+  }
+}
+
 TEST(RangeSimulator, BeamsOnAnEdgeMeasureBetweenTheSurfaces) {
   Scene scene = wall(6.0, Material::plaster);
   add_block(scene.mesh, {5.5, -0.3, -5.0}, {5.6, 0.3, 5.0}, Material::wood);

@@ -91,7 +91,11 @@ SimulationOptions simulation_of(const SimulateCommandOptions& command) {
   }
   options.cameras = cameras_of(command);
   if (command.perfect) {
-    lidar.effects = {.noise = false, .dropout = false, .mixed_pixels = false, .dust = false};
+    lidar.effects = {.noise = false,
+                     .dropout = false,
+                     .mixed_pixels = false,
+                     .dust = false,
+                     .reflections = lidar.effects.reflections};
   }
   return options;
 }
@@ -317,6 +321,8 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
               "Lay clouds out as another driver: velodyne, ouster, hesai, livox")
       .value_name("DRIVER")
       .suggest({"velodyne", "ouster", "hesai", "livox"});
+  command.flag("--reflections", simulation.lidars.front().effects.reflections,
+               "Panes of glass mirror: the range sensor measures what is in them behind them");
   command.flag("--perfect", options->perfect, "A range sensor without errors");
   command.flag("--quiet", options->quiet, "Print errors alone");
   command.flag(

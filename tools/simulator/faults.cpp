@@ -9,6 +9,8 @@
 #include <numbers>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/counter_random.hpp"
 #include "adit/tools/simulator/imu_model.hpp"
@@ -19,7 +21,7 @@
 namespace adit {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Fault>, 35> kFaults{
+constexpr std::array<std::pair<std::string_view, Fault>, 36> kFaults{
     {{"clock-offset", Fault::clock_offset},
      {"clock-drift", Fault::clock_drift},
      {"gap", Fault::gap},
@@ -30,6 +32,7 @@ constexpr std::array<std::pair<std::string_view, Fault>, 35> kFaults{
      {"swapped-axes", Fault::swapped_axes},
      {"blocked-sector", Fault::blocked_sector},
      {"shock", Fault::shock},
+     {"own-carrier", Fault::own_carrier},
      {"rain", Fault::rain},
      {"truncated", Fault::truncated},
      {"rare-spikes", Fault::rare_spikes},
@@ -138,6 +141,50 @@ void hit(ImuSample& sample, const CounterRandom& random) {
   sample.angular_velocity += kTurn * ringing.velocity * side(12);
 }
 
+/// Range to an upright post, m; infinite where the ray passes it.
+double range_to_post(const Firing& firing, const Eigen::Vector2d& center, double radius) {
+  const Eigen::Vector2d from = firing.origin.head<2>() - center;
+  const Eigen::Vector2d way = firing.direction.head<2>();
+  const double a = way.squaredNorm();
+  const double b = from.dot(way);
+  const double inside = b * b - a * (from.squaredNorm() - radius * radius);
+  return inside < 0.0 || b > 0.0 ? std::numeric_limits<double>::infinity()
+                                 : (-b - std::sqrt(inside)) / a;
+}
+
+/// Range to a box, m; infinite where the ray passes it.
+double range_to_box(const Firing& firing, const Eigen::AlignedBox3d& box) {
+  double enters = 0.0;
+  double leaves = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const double one = (box.min()[k] - firing.origin[k]) / firing.direction[k];
+    const double other = (box.max()[k] - firing.origin[k]) / firing.direction[k];
+    enters = std::max(enters, std::min(one, other));
+    leaves = std::min(leaves, std::max(one, other));
+  }
+  return enters < leaves ? enters : std::numeric_limits<double>::infinity();
+}
+
+/// What carries the sensor, in its frame: two posts of 8 cm to the left and right behind it, and a
+/// box of 0.5 x 0.8 m whose upper side is 0.1 m below it.
+void carrier_in_view(RangeSweep& sweep, const CounterRandom& random) {
+  constexpr double kNoise = 0.02;  // m, of its ranges
+  constexpr double kPost = 0.04;   // m, radius
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(-1.7, -0.4, -0.6),
+                                Eigen::Vector3d(-1.2, 0.4, -0.1));
+  const uint64_t first = static_cast<uint64_t>(sweep.start);
+  for (std::size_t i = 0; i < sweep.returns.size(); ++i) {
+    const Firing& firing = sweep.firings[i];
+    const double range =
+        std::min({range_to_post(firing, {-0.5, 0.7}, kPost),
+                  range_to_post(firing, {-0.5, -0.7}, kPost), range_to_box(firing, box)});
+    if (std::isfinite(range) && (sweep.returns[i].range == 0.0 || range < sweep.returns[i].range)) {
+      const double error = kNoise * random.gaussians(counter(first + i, 8)).x();
+      sweep.returns[i] = {.range = range + error, .intensity = 40.0F, .surface = kCarrier};
+    }
+  }
+}
+
 /// Heavy rain: a drop answers before the surface for a share of the pulses that grows with the
 /// range, from anywhere on the way within 20 m; and what is far is lost.
 void rain_on(RangeSweep& sweep, const CounterRandom& random) {
@@ -237,6 +284,9 @@ void FaultMaker::distort(RangeSweep& sweep) const {
   const CounterRandom random(seed_, RandomStream::fault);
   if (has(Fault::rain)) {
     rain_on(sweep, random);
+  }
+  if (has(Fault::own_carrier)) {
+    carrier_in_view(sweep, random);
   }
   if (has(Fault::nan)) {
     const uint64_t first = static_cast<uint64_t>(sweep.start);

@@ -27,6 +27,7 @@ enum class Fault {
   swapped_axes,      ///< the IMU is mounted turned by a quarter, and nothing says so
   blocked_sector,    ///< something covers 60 degrees of the range sensor, behind to the left
   shock,             ///< a blow every 4 s: the mount rings at 40 Hz, up to 10 g and 1 rad/s
+  own_carrier,       ///< two posts and a box of what carries it are in view of the range sensor
   rain,              ///< drops scatter pulses back and take from what lies behind them
   truncated,         ///< the recorder was killed: the last fifth of the file is missing
   rare_spikes,       ///< one IMU reading in 1000 is damaged: one of its six numbers is anything up

@@ -27,6 +27,7 @@ enum Lane : uint64_t {
   kGlass = 8
 };
 constexpr uint64_t kLanes = 16;
+constexpr uint64_t kPanes = 4;
 
 double length_of(const Vector3d& v) {
   return std::sqrt(v.squaredNorm());
@@ -41,6 +42,22 @@ Vector3d within_beam(const Vector3d& direction, double half_angle, double radius
   const Vector3d tilted =
       direction + off * (angle.cos * right + angle.sin * direction.cross(right));
   return tilted / length_of(tilted);
+}
+
+/// Probability that a pulse is detected, by its power as a multiple of the least.
+double detected_share(double power) {
+  constexpr double kLost = 0.002;  // for no reason that is modelled
+  return power >= 1.0 ? 1.0 - kLost : power * power;
+}
+
+/// Share of the light that an interface of air and glass reflects, by the cosine of the angle of
+/// incidence: Schlick's approximation of Fresnel's equations ("An inexpensive BRDF model for
+/// physically-based rendering", 1994), for a refractive index of 1.5.
+double reflected_share(double cosine) {
+  constexpr double kIndex = 1.5;
+  constexpr double kStraight = (kIndex - 1.0) * (kIndex - 1.0) / ((kIndex + 1.0) * (kIndex + 1.0));
+  const double rest = 1.0 - cosine;
+  return kStraight + (1.0 - kStraight) * rest * rest * rest * rest * rest;
 }
 
 }  // namespace
@@ -100,35 +117,85 @@ std::vector<Mover> RangeSimulator::movers_near(const RangeSweep& sweep) const {
                              sensor_.farthest + kOwnWay, begin, end);
 }
 
-std::optional<SceneHit> RangeSimulator::first_surface(const Vector3d& origin,
-                                                      const Vector3d& direction, const Pulse& pulse,
-                                                      uint64_t lane) const {
+std::optional<RangeSimulator::Sight> RangeSimulator::first_surface(const Vector3d& origin,
+                                                                   const Vector3d& direction,
+                                                                   const Pulse& pulse,
+                                                                   uint64_t lane) const {
   const CounterRandom random(seed_, RandomStream::range);
   double gone = 0.0;
+  double share = 1.0;
+  std::optional<Sight> in_mirror;  // the strongest
   // A pulse goes through a few panes of glass at most.
-  constexpr uint64_t kPanes = 4;
   for (uint64_t pane = 0; pane < kPanes; ++pane) {
     const Vector3d from = origin + gone * direction;
     auto target = caster_.cast(from, direction, sensor_.farthest - gone, pulse.time, *pulse.movers);
     if (!target) {
-      return std::nullopt;
+      return in_mirror;
     }
     target->hit.distance += gone;
     const double transmission = optics_of(target->hit.material).transmission;
+    const Sight straight{.target = *target, .share = share};
     if (transmission == 0.0 ||
-        random.uniform(pulse.number * kLanes + lane + pane) >= transmission) {
-      return target;
+        random.uniform(pulse.number * kLanes + lane + pane) >= transmission ||
+        (effects_.reflections && faces_sensor(*target, direction))) {
+      // One echo is reported: the stronger one.
+      return in_mirror && strength(*in_mirror, direction) > strength(straight, direction)
+                 ? in_mirror
+                 : straight;
+    }
+    if (effects_.reflections) {
+      const auto other = mirrored(origin, direction, *target, share, pulse);
+      if (other && (!in_mirror || strength(*other, direction) > strength(*in_mirror, direction))) {
+        in_mirror = other;
+      }
+      const double passed = 1.0 - reflected_share(std::abs(target->hit.normal.dot(direction)));
+      share *= passed * passed;
     }
     gone = target->hit.distance + 1e-6;
+  }
+  return in_mirror;
+}
+
+std::optional<RangeSimulator::Sight> RangeSimulator::mirrored(const Vector3d& origin,
+                                                              const Vector3d& direction,
+                                                              const SceneHit& pane, double share,
+                                                              const Pulse& pulse) const {
+  const Vector3d& normal = pane.hit.normal;
+  const Vector3d onwards = direction - 2.0 * direction.dot(normal) * normal;
+  const double reflected = reflected_share(std::abs(normal.dot(direction)));
+  double gone = 1e-6;
+  for (uint64_t i = 0; i < kPanes; ++i) {
+    const double left = sensor_.farthest - pane.hit.distance - gone;
+    auto target = caster_.cast(origin + pane.hit.distance * direction + gone * onwards, onwards,
+                               left, pulse.time, *pulse.movers);
+    if (!target) {
+      return std::nullopt;
+    }
+    if (optics_of(target->hit.material).transmission == 0.0) {
+      target->hit.distance += pane.hit.distance + gone;
+      target->hit.normal -= 2.0 * target->hit.normal.dot(normal) * normal;
+      target->object = 0;
+      return Sight{.target = *target, .share = share * reflected * reflected, .mirrored = true};
+    }
+    gone += target->hit.distance + 1e-6;
   }
   return std::nullopt;
 }
 
-double RangeSimulator::strength(const SceneHit& target, const Vector3d& direction) const {
+bool RangeSimulator::faces_sensor(const SceneHit& pane, const Vector3d& direction) const {
+  constexpr double kLens = 0.02;  // m, radius: a sensor's windows are some 4 cm high
+  // The light comes back to where the sensor is twice the angle off, from twice as far.
+  const double angle = sensor_.divergence + 0.5 * kLens / pane.hit.distance;
+  return optics_of(pane.hit.material).transmission > 0.0 &&
+         std::abs(pane.hit.normal.dot(direction)) > 1.0 - 0.5 * angle * angle;
+}
+
+double RangeSimulator::strength(const Sight& seen, const Vector3d& direction) const {
+  const SceneHit& target = seen.target;
   const double slant = std::abs(target.hit.normal.dot(direction));
   const double ratio = sensor_.range_at_tenth / target.hit.distance;
-  return static_cast<double>(optics_of(target.hit.material).reflectivity) * slant / 0.1 * ratio *
-         ratio;
+  return seen.share * static_cast<double>(optics_of(target.hit.material).reflectivity) * slant /
+         0.1 * ratio * ratio;
 }
 
 float RangeSimulator::radial_speed(const Pulse& pulse, const Vector3d& direction, uint16_t object,
@@ -153,8 +220,12 @@ float RangeSimulator::radial_speed(const Pulse& pulse, const Vector3d& direction
   return static_cast<float>(speed);
 }
 
-uint8_t RangeSimulator::surface_of(const SceneHit& target) {
+uint8_t RangeSimulator::surface_of(const Sight& seen) {
   constexpr double kLevel = 0.7071;  // cosine of 45 degrees
+  if (seen.mirrored) {
+    return kMirrored;
+  }
+  const SceneHit& target = seen.target;
   const auto material = static_cast<uint8_t>(static_cast<uint8_t>(target.hit.material) + 1U);
   return target.hit.normal.z() > kLevel ? static_cast<uint8_t>(material | kLevelSurface) : material;
 }
@@ -182,13 +253,13 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
   const uint64_t base = pulse.number * kLanes;
   const Vector3d origin = T_world_lidar * pulse.firing->origin;
   const Vector3d direction = T_world_lidar.linear() * pulse.firing->direction;
-  auto target = first_surface(origin, direction, pulse, kGlass);
+  auto seen = first_surface(origin, direction, pulse, kGlass);
 
-  const double reach = target ? target->hit.distance : sensor_.farthest;
+  const double reach = seen ? seen->target.hit.distance : sensor_.farthest;
   if (const auto dust = scattered_by_dust(pulse, origin, direction, reach)) {
     return *dust;
   }
-  double range = target ? target->hit.distance : 0.0;
+  double range = seen ? seen->target.hit.distance : 0.0;
   Vector3d beam = direction;  // to the target
   bool melted = false;
   if (effects_.mixed_pixels) {
@@ -200,37 +271,34 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
     // counts.
     constexpr double kPulseLength = 0.8;
     constexpr double kOnSurface = 0.1;  // m, more than three sigma of any sensor's noise
-    if (other && target && std::abs(other->hit.distance - range) < kPulseLength) {
-      const double apart = other->hit.distance - range;
+    if (other && seen && std::abs(other->target.hit.distance - range) < kPulseLength) {
+      const double apart = other->target.hit.distance - range;
       // Footprints of one surface differ as well; only steps count.
-      const double own = std::abs(target->hit.normal.dot(direction));
+      const double own = std::abs(seen->target.hit.normal.dot(direction));
       const double smooth = 3.0 * sensor_.divergence * range / std::max(own, 0.05);
       if (std::abs(apart) > smooth) {
         range += random.uniform(base + kShare) * apart;
-        melted = std::min(std::abs(range - target->hit.distance),
-                          std::abs(range - other->hit.distance)) > kOnSurface;
+        melted = std::min(std::abs(range - seen->target.hit.distance),
+                          std::abs(range - other->target.hit.distance)) > kOnSurface;
       }
-    } else if (other && (!target || strength(*other, other_way) > strength(*target, direction)) &&
+    } else if (other && (!seen || strength(*other, other_way) > strength(*seen, direction)) &&
                random.uniform(base + kShare) < 0.5) {
-      target = other;
-      range = other->hit.distance;
+      seen = other;
+      range = other->target.hit.distance;
       beam = other_way;
     }
   }
-  if (!target || range < sensor_.nearest) {
+  if (!seen || range < sensor_.nearest) {
     return {};
   }
-  if (effects_.dropout) {
-    constexpr double kLost = 0.002;  // for no reason that is modelled
-    const double power = strength(*target, direction);
-    const double detected = power >= 1.0 ? 1.0 - kLost : power * power;
-    if (random.uniform(base + kDetection) >= detected) {
-      return {};
-    }
+  const SceneHit& target = seen->target;
+  if (effects_.dropout &&
+      random.uniform(base + kDetection) >= detected_share(strength(*seen, direction))) {
+    return {};
   }
-  const double slant = std::abs(target->hit.normal.dot(direction));
+  const double slant = std::abs(target.hit.normal.dot(direction));
   double intensity = sensor_.intensity_scale * slant *
-                     static_cast<double>(optics_of(target->hit.material).reflectivity);
+                     static_cast<double>(optics_of(target.hit.material).reflectivity);
   if (effects_.noise) {
     const Eigen::Vector2d errors = random.gaussians(base / 2 + kNoise);
     range += (sensor_.noise + sensor_.noise_growth * range * range) * errors.x();
@@ -239,13 +307,13 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
   }
   return {.range = range,
           .intensity = static_cast<float>(std::clamp(std::floor(intensity + 0.5), 0.0, 255.0)),
-          .doppler = sensor_.doppler ? radial_speed(pulse, direction, target->object,
-                                                    origin + range * direction)
-                                     : 0.0F,
-          .object = target->object,
-          .surface = melted ? uint8_t{0} : surface_of(*target),
-          .color = color_seed_ && !melted
-                       ? caster_.color_of(*target, origin + target->hit.distance * beam, pulse.time,
+          .doppler = sensor_.doppler
+                         ? radial_speed(pulse, direction, target.object, origin + range * direction)
+                         : 0.0F,
+          .object = target.object,
+          .surface = melted ? uint8_t{0} : surface_of(*seen),
+          .color = color_seed_ && !melted && !seen->mirrored
+                       ? caster_.color_of(target, origin + target.hit.distance * beam, pulse.time,
                                           *color_seed_)
                        : SurfaceColor{}};
 }

@@ -21,6 +21,7 @@ struct RangeEffects {
   bool dropout = true;       ///< surfaces that are dark, far or seen at a slant give no return
   bool mixed_pixels = true;  ///< a beam on an edge measures between the two surfaces
   bool dust = true;          ///< as much as the scene has
+  bool reflections = false;  ///< glass mirrors, too, by Fresnel's equations
 };
 
 /// What came back of one firing.
@@ -29,13 +30,17 @@ struct Return {
   float intensity = 0.0F;  ///< in the sensor's own scale
   float doppler = 0.0F;    ///< m/s, how fast the range grows; of sensors that measure it
   uint16_t object = 0;     ///< 0: what stands still or dust; n: moving object n - 1 of the scene
-  /// 0: no surface is there, the echo is of dust or melted of two surfaces. Otherwise the material
-  /// plus 1, and kLevelSurface where it is level.
+  /// 0: no surface is there, the echo is of dust or melted of two surfaces. kMirrored, kCarrier:
+  /// none is there, either. Otherwise the material plus 1, and kLevelSurface where it is level.
   uint8_t surface = 0;
   SurfaceColor color{};  ///< of the surface, where that was asked for; black where there is none
 };
 /// Flag of surfaces that face upwards within 45 degrees, world frame.
 inline constexpr uint8_t kLevelSurface = 128;
+/// What a pane of glass mirrors: it is measured behind the pane.
+inline constexpr uint8_t kMirrored = 127;
+/// A part of what carries the sensor.
+inline constexpr uint8_t kCarrier = 126;
 
 /// The pulses of a sweep and what came back, one for one.
 struct RangeSweep {
@@ -81,16 +86,28 @@ class RangeSimulator {
     const std::vector<Mover>* movers = nullptr;  ///< moving objects within reach
   };
 
+  /// A surface, seen directly, through glass or in a mirror.
+  struct Sight {
+    SceneHit target;
+    double share = 1.0;  ///< of the pulse's power that glass leaves on the way there and back
+    bool mirrored = false;
+  };
+
   std::vector<Mover> movers_near(const RangeSweep& sweep) const;
   Return measure(const Pulse& pulse, const Eigen::Isometry3d& T_world_lidar) const;
-  std::optional<SceneHit> first_surface(const Eigen::Vector3d& origin,
-                                        const Eigen::Vector3d& direction, const Pulse& pulse,
-                                        uint64_t lane) const;
+  std::optional<Sight> first_surface(const Eigen::Vector3d& origin,
+                                     const Eigen::Vector3d& direction, const Pulse& pulse,
+                                     uint64_t lane) const;
+  /// What a pane mirrors of a pulse whose `share` of power reaches it.
+  std::optional<Sight> mirrored(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                                const SceneHit& pane, double share, const Pulse& pulse) const;
+  /// The pane is so square to the pulse that the sensor sees its own light in it.
+  bool faces_sensor(const SceneHit& pane, const Eigen::Vector3d& direction) const;
   /// The echo of dust nearer than `reach` (m), where there is one.
   std::optional<Return> scattered_by_dust(const Pulse& pulse, const Eigen::Vector3d& origin,
                                           const Eigen::Vector3d& direction, double reach) const;
-  static uint8_t surface_of(const SceneHit& target);
-  double strength(const SceneHit& target, const Eigen::Vector3d& direction) const;
+  static uint8_t surface_of(const Sight& seen);
+  double strength(const Sight& seen, const Eigen::Vector3d& direction) const;
   /// How fast the range of something grows, m/s: of what stands still, or of moving object n - 1
   /// of the scene at a point of the world.
   float radial_speed(const Pulse& pulse, const Eigen::Vector3d& direction, uint16_t object,

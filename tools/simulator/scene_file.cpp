@@ -176,6 +176,7 @@ LidarOptions read_lidar(const Reader& reader, const toml::table& table) {
        {"dropout", [&](const auto& node) { lidar.effects.dropout = reader.truth(node); }},
        {"mixed_pixels", [&](const auto& node) { lidar.effects.mixed_pixels = reader.truth(node); }},
        {"dust", [&](const auto& node) { lidar.effects.dust = reader.truth(node); }},
+       {"reflections", [&](const auto& node) { lidar.effects.reflections = reader.truth(node); }},
        {"doppler", [&](const auto& node) { lidar.doppler = reader.truth(node); }}});
   lidar.T_imu_lidar = mount.pose();
   return lidar;
@@ -421,6 +422,7 @@ noise = true
 dropout = true
 mixed_pixels = true
 dust = true
+reflections = false  # panes of glass mirror, too
 doppler = false  # measures the radial speed of each return
 begin = 0.0  # s after the recording's start: it sends nothing before
 # end = 30.0  # s: and nothing after, as one that was unplugged
