@@ -9,8 +9,8 @@
 #include <numbers>
 #include <utility>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
+#include <Eigen/Geometry>
 
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/counter_random.hpp"
