@@ -107,10 +107,7 @@ void SweepMerger::add(std::size_t sensor, Sweep sweep) {
   first_ = first_.value_or(sweep.stamp);
   ++source.count.sweeps;
   flushing_ = false;
-  source.numbered = !sweep.doppler.empty() && sweep.rings.empty();
-  if (source.numbered && (sensor == 0 || sources_.front().numbered)) {
-    sweep.rings.assign(sweep.points.size(), static_cast<uint16_t>(sensor));
-  } else if (sensor > 0 && !sweep.doppler.empty()) {
+  if (sensor > 0 && !sweep.doppler.empty()) {
     sweep.doppler.assign(sweep.doppler.size(), kNotMeasured);
   }
   const auto place = std::ranges::upper_bound(source.pending, sweep.stamp, {}, &Sweep::stamp);

@@ -52,9 +52,9 @@ class SweepMerger {
   void flush() { flushing_ = true; }
 
   /// The next merged sweep; nothing where it needs further sweeps, or a flush(). Its stamp is that
-  /// of the sweep at which it was cut, or of an earlier point. Doppler speeds are along the ray
-  /// from their own sensor. Of sensors without rings, as radars are, all are kept, and `rings` has
-  /// the number of each point's sensor; else those of the first alone, and NaN for the others.
+  /// of the sweep at which it was cut, or of an earlier point. Doppler speeds are those of the
+  /// first sensor's points alone, since each is along the ray from its own sensor; those of others
+  /// are NaN.
   std::optional<Sweep> next();
 
   /// By sensor.
@@ -66,7 +66,6 @@ class SweepMerger {
     std::deque<Sweep> pending{};          ///< in the lidar's axes, with a time for each point
     std::deque<double> intervals{};       ///< s, between the latest stamps
     std::optional<Nanoseconds> newest{};  ///< stamp
-    bool numbered = false;                ///< its sweeps have Doppler speeds and no rings
     MergedCount count{};
   };
 

@@ -15,10 +15,10 @@
 #include <variant>
 #include <vector>
 
-#include "adit/slam/executor/doppler_intake.hpp"
 #include "adit/slam/executor/receiver_mounts.hpp"
 #include "adit/slam/executor/waits.hpp"
 #include "adit/slam/executor/worker.hpp"
+#include "adit/slam/inertial/doppler_velocity.hpp"
 
 namespace adit {
 namespace {
@@ -49,8 +49,7 @@ class OfflineSlam final : public Slam {
         start_(options.start),
         map_beside_(options.map_beside),
         most_behind_(options.most_behind),
-        placed_(options.placed),
-        origins_(options.origins) {
+        placed_(options.placed) {
     if (options.high_rate_smoothing) {
       high_rate_.emplace(config.imu, *options.high_rate_smoothing);
     }
@@ -328,6 +327,19 @@ class OfflineSlam final : public Slam {
     }
   }
 
+  /// Points that move are taken out, as without a return: how many.
+  std::size_t take_doppler(Sweep& sweep) {
+    const auto fit = velocity_.doppler ? fit_doppler(sweep) : std::nullopt;
+    if (!fit) {
+      return 0;
+    }
+    odometry_.add(fit->velocity, VelocitySource::doppler);
+    for (const std::size_t i : fit->moving) {
+      sweep.points[i] = Point{};
+    }
+    return fit->moving.size();
+  }
+
   void place(Sweep sweep) {
     if (last_sweep_ && sweep.stamp <= *last_sweep_) {
       results_.emplace_back(
@@ -337,7 +349,7 @@ class OfflineSlam final : public Slam {
     last_sweep_ = sweep.stamp;
     look_up_mounting();
     look_up_velocity_mounting();
-    const std::size_t moving = velocity_.doppler ? take_doppler(sweep, origins_, odometry_) : 0;
+    const std::size_t moving = take_doppler(sweep);
     SweepResult result = odometry_.step(sweep);
     result.moving_points = static_cast<int>(moving);
     if (high_rate_) {
@@ -454,7 +466,6 @@ class OfflineSlam final : public Slam {
   bool map_beside_;
   std::size_t most_behind_;
   std::function<void(const Sweep&, const SweepResult&)> placed_;
-  std::vector<Eigen::Vector3d> origins_;
   Waits waits_;
   std::optional<Mapper> mapper_;
   std::vector<SweepResult> before_map_;  ///< results of sweeps before the odometry began

@@ -90,9 +90,6 @@ struct SlamOptions {
   std::size_t most_behind = 4;
   /// Called as soon as the odometry has placed a sweep, before the map has it; empty: not called.
   std::function<void(const Sweep&, const SweepResult&)> placed{};
-  /// m, lidar axes: where the range sensors are whose sweeps SweepMerger made one of; for their
-  /// Doppler speeds. Empty: one sensor.
-  std::vector<Eigen::Vector3d> origins{};
 };
 
 /// The whole system: measurements in, placed sweeps out. make_slam() makes one.

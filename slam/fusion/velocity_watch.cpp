@@ -85,8 +85,7 @@ VelocityReport VelocityWatch::judge(MeasuredWay& measured, const NavState& from,
   const bool moves = note({.innovation = report.innovation,
                            .noise = noise,
                            .common = unwhitening * common * unwhitening.transpose()});
-  // Doppler speeds are of the range sensor itself: they hold it where it stands still.
-  report.on_trial = measured.source == VelocitySource::sensor && on_trial();
+  report.on_trial = on_trial();
   report.refused = contradicted();
   report.comparison = comparison();
   // An error that lasts does not average out: so many sweeps know no more than one of them.

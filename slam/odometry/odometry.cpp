@@ -54,12 +54,6 @@ const Config& Odometry::config() const {
 
 // Before the first sweep that tells anything nothing is on the device.
 void Odometry::derive_lengths(const Sweep& sweep) {
-  if (!chosen_ && reach_of(sweep.points) > 0.0) {
-    chosen_ = true;
-    if (stated_.registration.method == "vgicp" && is_radar_scan(sweep)) {
-      impl_->radar.emplace(stated_.preprocess);
-    }
-  }
   const auto voxel = derived_ ? std::nullopt : measured_voxel_size(sweep.points);
   if (!voxel) {
     return;
@@ -90,7 +84,6 @@ void Odometry::begin(const Sweep& sweep) {
   result.stamp = sweep.stamp;
   result.raw_points = static_cast<int>(sweep.points.size());
   derive_lengths(sweep);
-  result.radar = impl_->radar.has_value();
   if (!impl_->front_end.knows_beam_spacing()) {
     impl_->front_end.measure_beam_spacing(sweep.points);
   }
@@ -98,7 +91,7 @@ void Odometry::begin(const Sweep& sweep) {
   Expectation expected = impl_->expect(sweep);
   impl_->end_track_if_beyond_reach(sweep, expected, result);
   impl_->rhythm.add(sweep);
-  const bool aligns = !impl_->submap.empty() && !impl_->radar;
+  const bool aligns = !impl_->submap.empty();
   engine::Submission submission = impl_->submit(expected);
   result.host_ms = milliseconds_since(start);
   result.clock = {.begun = start, .submitted = std::chrono::steady_clock::now()};
@@ -125,28 +118,19 @@ SweepResult Odometry::finish() {
     impl_->align_on(result);
   }
   impl_->read_back(begun);
-  if (impl_->radar && !impl_->submap.empty()) {
-    impl_->align_radar(begun, result);
-  }
   if (begun.aligns) {
     impl_->search_again(begun.expected, result);
     impl_->judge(begun.expected, result);
     impl_->begin_again(begun);
   }
   impl_->fuse(begun.expected, result);
-  result.way_measured =
-      begun.expected.measured &&
-      (result.inertial.state == InertialState::starting || (impl_->radar && !result.inertial.nav));
+  result.way_measured = begun.expected.measured && result.inertial.state == InertialState::starting;
   result.state = impl_->decide(begun.expected, result);
   if (result.state != OdometryState::coasting) {
     impl_->reach = begun.reach;
   }
-  if (impl_->radar && !result.inertial.nav && is_usable(result.registration.status)) {
-    result.inertial.lidar_covariance = radar_covariance(result.registration);
-  }
   impl_->assess(begun.expected, result);
-  impl_->add_to_radar(begun);
-  if (result.state == OdometryState::initializing && !impl_->radar) {
+  if (result.state == OdometryState::initializing) {
     impl_->first = std::move(begun.sweep);
   }
   if (impl_->is_keyframe(result)) {
@@ -168,10 +152,6 @@ void Odometry::mount(const Eigen::Isometry3d& T_imu_lidar) {
 
 std::vector<TakenReading> Odometry::add(const ImuSample& sample) {
   return impl_->inertial.add(sample);
-}
-
-void Odometry::add(const DopplerTwist& twist) {
-  impl_->twist_before = std::exchange(impl_->doppler_twist, twist);
 }
 
 void Odometry::add(const BodyVelocity& velocity, VelocitySource source) {
@@ -234,7 +214,6 @@ Expectation Odometry::Impl::expect(const Sweep& sweep) {
         sweep.stamp, duration,
         measured->T_begin_end.translation() / seconds(sweep.stamp - last->stamp));
   }
-  expect_by_doppler(sweep, expected);
   const auto start = std::chrono::steady_clock::now();
   if (const auto predicted = inertial.predict(sweep.stamp, duration)) {
     expected.measured = true;
@@ -247,31 +226,6 @@ Expectation Odometry::Impl::expect(const Sweep& sweep) {
   }
   expected.silence = silence_before(sweep.stamp, expected);
   return expected;
-}
-
-// A radar goes from scan to scan by the mean of the two twists that their Doppler speeds have.
-void Odometry::Impl::expect_by_doppler(const Sweep& sweep, Expectation& expected) const {
-  const std::optional<StampedPose>& last = motion.last();
-  if (!radar || !doppler_twist || !last || expected.measured) {
-    return;
-  }
-  const double elapsed = seconds(sweep.stamp - last->stamp);
-  if (!(elapsed > 0.0) || elapsed > kLongestExtrapolation) {
-    return;
-  }
-  const Vector6d rate = twist_before ? Vector6d(0.5 * (twist_before->rate + doppler_twist->rate))
-                                     : doppler_twist->rate;
-  const Matrix6d covariance = elapsed * elapsed * doppler_twist->covariance;
-  expected.measured = true;
-  expected.prediction = {.T_map_lidar = last->pose * se3_exp(elapsed * rate),
-                         .trusted = true,
-                         .moving = true,
-                         .information = pose_prior(covariance),
-                         .sigma = covariance.diagonal().cwiseSqrt()};
-  const double duration = config.preprocess.deskew ? duration_of(sweep) : 0.0;
-  if (duration > 0.0) {
-    expected.motion = steady_motion(doppler_twist->rate, 0.0, duration);
-  }
 }
 
 // As the readings of the sweep's time have it.
@@ -326,7 +280,7 @@ void Odometry::Impl::fuse(const Expectation& expected, SweepResult& result) {
   const bool starts = submap.empty() && !track_ended;
   result.T_map_lidar =
       aligned ? result.registration.T_target_source : expected.prediction.T_map_lidar;
-  if (starts && result.cloud_points < fewest_points()) {
+  if (starts && result.cloud_points < config.registration.min_inliers) {
     return;
   }
   const RegistrationResult* alignment = aligned ? &result.registration : nullptr;
@@ -345,7 +299,7 @@ void Odometry::Impl::fuse(const Expectation& expected, SweepResult& result) {
 // The policy of success, failure and recovery (docs/theory/odometry.md).
 OdometryState Odometry::Impl::decide(const Expectation& expected, SweepResult& result) {
   const auto points = static_cast<uint32_t>(result.cloud_points);
-  const bool can_start = result.cloud_points >= fewest_points();
+  const bool can_start = result.cloud_points >= config.registration.min_inliers;
   const bool aligned = is_usable(result.registration.status);
   const StampedPose pose{result.stamp, result.T_map_lidar};
   joined = false;
@@ -407,7 +361,7 @@ void Odometry::Impl::assess(const Expectation& expected, SweepResult& result) {
     drift.note_rest();
   }
   Matrix6d besides = Matrix6d::Zero();
-  if (result.state == OdometryState::tracking && !result.inertial.nav && !radar) {
+  if (result.state == OdometryState::tracking && !result.inertial.nav) {
     besides = unmeasured.step({result.stamp, result.T_map_lidar}, expected.steady,
                               unheld_directions(result.registration));
     result.leapt = unmeasured.leapt();

@@ -13,7 +13,6 @@
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/core/types.hpp"
 #include "adit/slam/fusion/inertial_tracker.hpp"
-#include "adit/slam/inertial/doppler_velocity.hpp"
 #include "adit/slam/odometry/pose_uncertainty.hpp"
 #include "adit/slam/odometry/rejection.hpp"
 #include "adit/slam/registration/registration.hpp"
@@ -65,9 +64,6 @@ struct SweepResult {
   bool leapt = false;
   /// The readings have told that the sensor was at rest since the map began.
   bool rested = false;
-  /// The sweeps are a radar's, by the first one with points, unless registration.method is another
-  /// than vgicp: aligned by RadarAligner.
-  bool radar = false;
   bool keyframe = false;  ///< far enough from the last keyframe; never while coasting
   int raw_points = 0;     ///< points of the sweep as it came
   int valid_points = 0;   ///< left after NaN, no-return and range clipping
@@ -124,8 +120,6 @@ class Odometry {
   /// Takes what a sensor of velocities measured, or the sweeps' Doppler speeds (fit_doppler()); it
   /// counts where an inertial sensor is fused. A sweep wants all of them from before its stamp.
   void add(const BodyVelocity& velocity, VelocitySource source = VelocitySource::sensor);
-  /// Takes how a radar moves by its next scan: the prediction where no inertial sensor is fused.
-  void add(const DopplerTwist& twist);
   /// Where that sensor is on the lidar, in place of velocity.T_lidar_sensor.
   void mount_velocity(const Eigen::Isometry3d& T_lidar_sensor);
 
@@ -151,7 +145,6 @@ class Odometry {
   struct Impl;
   Config stated_;
   bool derived_ = false;
-  bool chosen_ = false;  ///< whether the sweeps are a radar's
   std::unique_ptr<Impl> impl_;
 };
 

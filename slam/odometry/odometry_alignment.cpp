@@ -107,7 +107,7 @@ engine::Submission Odometry::Impl::submit(const Expectation& expected) {
   return submitted([&](engine::Recorder& recorder) {
     submap.record_update(recorder);
     front_end.record(recorder, surface_cloud, expected.motion);
-    if (!submap.empty() && !radar) {
+    if (!submap.empty()) {
       aligner.record(recorder, expected.prediction,
                      places_to_search(expected.prediction, expected.silence), surface_cloud,
                      front_end.counters(), front_end.points(), submap);
@@ -193,31 +193,6 @@ void Odometry::Impl::judge(const Expectation& expected, SweepResult& result) {
   } else if (prediction.trusted) {
     usual_fit.add(result.registration);
   }
-}
-
-// A radar's scan: what few and coarse returns hold, and else as predicted.
-void Odometry::Impl::align_radar(const Begun& sweep, SweepResult& result) {
-  const Expectation& expected = sweep.expected;
-  result.registration = radar->align(*sweep.sweep, expected.prediction, expected.measured);
-  if (!is_usable(result.registration.status)) {
-    return;
-  }
-  result.rejection = impossible_pose({result.stamp, result.registration.T_target_source},
-                                     motion.last(), config.recovery.max_speed);
-  if (result.rejection) {
-    result.registration.status = RegistrationStatus::doubtful;
-  }
-}
-
-void Odometry::Impl::add_to_radar(const Begun& sweep) {
-  const OdometryState state = sweep.result.state;
-  if (!radar || state == OdometryState::coasting) {
-    return;
-  }
-  if (state != OdometryState::tracking) {
-    radar->clear();
-  }
-  radar->add(*sweep.sweep, sweep.result.T_map_lidar);
 }
 
 SweepMotion Odometry::Impl::motion_at(const Sweep& sweep, const Vector6d& twist) const {

@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <optional>
-#include <utility>
 
 #include "adit/engine/context.hpp"
 #include "adit/slam/fusion/inertial_tracker.hpp"
@@ -14,7 +13,6 @@
 #include "adit/slam/odometry/rejection.hpp"
 #include "adit/slam/odometry/submap.hpp"
 #include "adit/slam/registration/front_end.hpp"
-#include "adit/slam/registration/radar_aligner.hpp"
 
 namespace adit {
 
@@ -38,10 +36,9 @@ struct Begun {
   SweepResult result;  ///< what is known of it by now
   Expectation expected;
   engine::Submission submission;
-  bool aligns = false;  ///< there is a submap, and the device aligns with it
-  double reach = 0.0;   ///< m, of the sweep
-  std::optional<Sweep> sweep =
-      {};  ///< kept of the first two, which may be done again, and of radars
+  bool aligns = false;              ///< there is a submap
+  double reach = 0.0;               ///< m, of the sweep
+  std::optional<Sweep> sweep = {};  ///< kept of the first two, which may be done again
 };
 
 struct Odometry::Impl {
@@ -57,10 +54,6 @@ struct Odometry::Impl {
   void use_lengths(const Config& derived);
   Expectation expect(const Sweep& sweep);
   Prediction possible_prediction(Nanoseconds stamp) const;
-  void expect_by_doppler(const Sweep& sweep, Expectation& expected) const;
-  int fewest_points() const {
-    return radar ? kFewestRadarReturns : config.registration.min_inliers;
-  }
   void fuse(const Expectation& expected, SweepResult& result);
   void assess(const Expectation& expected, SweepResult& result);
   OdometryState decide(const Expectation& expected, SweepResult& result);
@@ -77,8 +70,6 @@ struct Odometry::Impl {
   void search_again(const Expectation& expected, SweepResult& result);
   void judge(const Expectation& expected, SweepResult& result);
   void begin_again(Begun& second);
-  void align_radar(const Begun& sweep, SweepResult& result);
-  void add_to_radar(const Begun& sweep);
   SweepMotion motion_at(const Sweep& sweep, const Vector6d& twist) const;
   template <class Record>
   engine::Submission submitted(const Record& record);
@@ -90,9 +81,6 @@ struct Odometry::Impl {
   Submap submap;
   engine::Slice surface_cloud;  ///< this sweep's, in the submap's memory
   Aligner aligner;
-  std::optional<RadarAligner> radar;          ///< in place of the aligner, for a radar's scans
-  std::optional<DopplerTwist> doppler_twist;  ///< of the next scan
-  std::optional<DopplerTwist> twist_before;   ///< of the last one
   MotionModel motion;
   InertialTracker inertial;
   UsualFit usual_fit;

@@ -214,33 +214,6 @@ TEST(SweepMerger, SweepsOfOneMomentAreMatchedThoughTheirStampsJitter) {
   }
 }
 
-TEST(SweepMerger, SpeedsOfSensorsWithoutRingsAreKeptWithTheirSensorsNumber) {
-  SweepMerger merger(sensors(2));
-  const Rotor front{.name = 1.0F, .timed = false};
-  const Rotor rear{.name = 2.0F, .phase = milliseconds(20), .timed = false};
-  for (int i = 0; i < 5; ++i) {
-    Sweep one = front.sweep(i);
-    one.doppler.assign(one.points.size(), 1.0F);
-    merger.add(0, one);
-    Sweep other = rear.sweep(i);
-    other.doppler.assign(other.points.size(), 2.0F);
-    merger.add(1, other);
-  }
-  merger.flush();
-  std::size_t of_rear = 0;
-  while (const auto sweep = merger.next()) {
-    ASSERT_EQ(sweep->doppler.size(), sweep->points.size());
-    ASSERT_EQ(sweep->rings.size(), sweep->points.size());
-    for (std::size_t i = 0; i < sweep->points.size(); ++i) {
-      const bool second = sweep->points[i].x == 2.0F;
-      EXPECT_EQ(sweep->doppler[i], second ? 2.0F : 1.0F);
-      EXPECT_EQ(sweep->rings[i], second ? 1U : 0U);
-      of_rear += second ? 1U : 0U;
-    }
-  }
-  EXPECT_GE(of_rear, 4U * 50U);
-}
-
 TEST(SweepMerger, TheSameArrivalsGiveTheSameBytes) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const auto run = [&] {

@@ -56,31 +56,6 @@ std::vector<Finding> found_of(const std::vector<int>& stamps_ms) {
   return find_in_topic(topic, statistics, {});
 }
 
-/// Radar drivers leave stamps at zero: the events then have the time of their receipt.
-TEST(RecordingFindings, StampsOfReceiptAreNamedWhereOthersHaveTheirOwn) {
-  const Topic topic{"/radar", "sensor_msgs/PointCloud2", TopicKind::sweeps, 5};
-  const auto kinds_with = [&](int late_ms, bool own_stamps) {
-    TopicStatistics statistics;
-    for (int i = 0; i < 5; ++i) {
-      Sweep sweep;
-      sweep.stamp = std::chrono::milliseconds(100 * i);
-      sweep.points = {{1.0F, 0.0F, 0.0F, 0.0F}};
-      sweep.doppler = {0.0F};
-      const auto received = sweep.stamp + std::chrono::milliseconds(late_ms);
-      statistics.add({.topic = 0, .received = received, .value = std::move(sweep)});
-    }
-    std::vector<std::string> kinds;
-    for (const Finding& finding :
-         find_in_topic(topic, statistics, {}, {.own_stamps = own_stamps})) {
-      kinds.push_back(finding.kind);
-    }
-    return kinds;
-  };
-  EXPECT_EQ(kinds_with(0, true), std::vector<std::string>{"no_stamps"});
-  EXPECT_TRUE(kinds_with(0, false).empty()) << "a converter may write stamps as receipts";
-  EXPECT_TRUE(kinds_with(3, true).empty());
-}
-
 TEST(RecordingFindings, PointsThatAllHaveOneTimeAreNamed) {
   const Topic topic{"/points", "sensor_msgs/PointCloud2", TopicKind::sweeps, 5};
   const auto kinds_with = [&](float last) {

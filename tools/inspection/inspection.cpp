@@ -245,9 +245,6 @@ Inspection inspect(const std::vector<std::filesystem::path>& paths, const Config
   const OtherTopics others{
       .simulated_time = simulated,
       .shared_clock = share_a_clock(result.topics, result.statistics, used_topics(result)),
-      .own_stamps = std::ranges::any_of(
-          result.statistics,
-          [](const TopicStatistics& s) { return s.delay.least < 0.0 || s.delay.greatest > 0.0; }),
       .range_frame = result.sweeps ? result.statistics[*result.sweeps].frame : ""};
   for (std::size_t i = 0; i < result.topics.size(); ++i) {
     add(find_in_topic(result.topics[i], result.statistics[i], result.frames, others));

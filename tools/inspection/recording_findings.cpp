@@ -45,23 +45,6 @@ StampsHandled handled_stamps(const Topic& topic, const StampStatistics& s) {
                   (imu && s.largest_interval <= ImuConfig{}.max_gap)};
 }
 
-/// A message whose stamp is zero is taken to be of the time of its receipt.
-void check_receipt(const Topic& topic, const TopicStatistics& s, const OtherTopics& others,
-                   TopicFindings& findings) {
-  if (!others.own_stamps || topic.kind != TopicKind::sweeps || s.delay.count < 2 ||
-      s.delay.least != 0.0 || s.delay.greatest != 0.0) {
-    return;
-  }
-  findings.problem("no_stamps",
-                   "its " + std::to_string(s.events) +
-                       " messages have no stamps of their own (zero): they count as of the time "
-                       "when they were received",
-                   "they are late by what the driver and the network take; where the stamps of "
-                   "another topic are of another clock, the two do not fit together",
-                   "Let the driver write stamps. In this recording, recording.imu_time_offset puts "
-                   "the IMU on the recorder's clock; --write-config writes it");
-}
-
 /// Checks one series of a topic, `of_what` for people. Poses are only looked at, not mapped with:
 /// what is odd about their stamps is no problem.
 void check_stamps(const Topic& topic, const TopicStatistics& statistics, const StampStatistics& s,
@@ -252,7 +235,7 @@ void check_sweeps(const TopicStatistics& topic, TopicFindings& findings) {
                      "surfaces are rounded away", "Export the clouds again");
   }
   // Sweeps without points have no times for want of points.
-  if (s.with_times < topic.with_points() && !s.by_radar()) {
+  if (s.with_times < topic.with_points()) {
     findings.notice(
         "no_point_times",
         of(topic.with_points() - s.with_times, topic.with_points()) +
@@ -352,7 +335,6 @@ std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& st
   if (!others.simulated_time) {
     check_clock(topic, statistics, others.shared_clock, findings);
   }
-  check_receipt(topic, statistics, others, findings);
   for (const auto& [name, one] : statistics.series) {
     const bool named = statistics.series.size() > 1;
     check_stamps(topic, statistics, one, named ? "of frame '" + name + "' " : "", findings);

@@ -32,7 +32,6 @@ struct Finding {
 struct OtherTopics {
   bool simulated_time = false;  ///< stamps are not compared with the recorder's clock
   bool shared_clock = false;    ///< see share_a_clock(): an offset to the recorder's does no harm
-  bool own_stamps = false;      ///< a topic has stamps that are not those of receipt
   std::string range_frame{};    ///< of the range sensor
 };
 

@@ -34,9 +34,7 @@ std::string times_text(const PointTimeNature& times, const SweepStatistics& s) {
 std::string sweeps_text(const TopicStatistics& topic) {
   const SweepStatistics& s = topic.sweeps;
   const double share = s.points.sum > 0 ? s.returns.sum / s.points.sum : 0;
-  std::string text =
-      s.by_radar() ? "a radar (few points, with Doppler speeds; experimental): " : "";
-  text += fmt::format(
+  std::string text = fmt::format(
       "{:.0f} points a sweep, {:.1f} % of them returns; {}; ", s.points.mean(), 100.0 * share,
       s.with_rings > 0 && s.with_rings >= topic.with_points() ? "rings" : "no rings");
   text += s.with_doppler > 0 ? "Doppler speeds; " : "";

@@ -89,7 +89,7 @@ std::optional<std::string> failure_reason(const SweepResult& sweep, const Config
   if (placed) {
     return std::nullopt;
   }
-  if (!sweep.radar && sweep.cloud_points < config.registration.min_inliers) {
+  if (sweep.cloud_points < config.registration.min_inliers) {
     return "only " + std::to_string(sweep.cloud_points) +
            " points are left of it after down-sampling, " +
            std::to_string(config.registration.min_inliers) +
@@ -118,7 +118,6 @@ std::optional<SweepFailure> RunStatistics::add(std::size_t index, const Sweep& s
   deskewed_ += result.deskewed ? 1 : 0;
   inertial_.add(index, result.inertial);
   velocity_.add(result);
-  radar_scans_ += result.radar ? 1 : 0;
   shares_.add(result.inertial);
   assessor_.add(result);
   keyframes_ += result.keyframe ? 1 : 0;

@@ -126,9 +126,8 @@ class RunStatistics {
   /// Voxels of all sweeps that too many raw points fell into (SweepResult::crowded_voxels).
   std::size_t crowded_voxels() const { return crowded_voxels_; }
   const std::vector<SweepFailure>& failures() const { return failures_; }
-  std::size_t radar_scans() const { return radar_scans_; }  ///< aligned by RadarAligner
-  double distance() const { return distance_; }             ///< m, along the estimated path
-  double recorded_seconds() const;  ///< s between the first and the last stamp
+  double distance() const { return distance_; }  ///< m, along the estimated path
+  double recorded_seconds() const;               ///< s between the first and the last stamp
   /// HostTimes by their names: "read", which lies beside the others, "read_wait", "host", "wait",
   /// "map", "write", and "total", which is what a sweep took.
   const std::array<StageTimes, 7>& host_stages() const { return host_; }
@@ -145,7 +144,6 @@ class RunStatistics {
   Config config_;
   InertialStatistics inertial_;
   VelocityFusionStatistics velocity_;
-  std::size_t radar_scans_ = 0;
   ShareStatistics shares_;
   LeftOut left_out_;
   RunAssessor assessor_;

@@ -242,14 +242,9 @@ std::string path_text(const RunDescription& run, const RunOutcome& outcome,
                       const RunStatistics& statistics) {
   const double rate =
       outcome.wall_s > 0.0 ? static_cast<double>(statistics.sweeps()) / outcome.wall_s : 0.0;
-  const std::string path = fmt::format(
-      "path     {:.1f} m, {} of {} sweeps in {} ({:.1f} sweeps/s)\n", statistics.distance(),
-      statistics.sweeps(), run.range.count, format_duration(outcome.wall_s), rate);
-  return statistics.radar_scans() == 0
-             ? path
-             : path +
-                   fmt::format("radar    {} scans of a radar: mapping with them is experimental\n",
-                               statistics.radar_scans());
+  return fmt::format("path     {:.1f} m, {} of {} sweeps in {} ({:.1f} sweeps/s)\n",
+                     statistics.distance(), statistics.sweeps(), run.range.count,
+                     format_duration(outcome.wall_s), rate);
 }
 
 /// What was wrong with the recording.

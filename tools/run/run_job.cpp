@@ -256,11 +256,8 @@ JobOutputs open_outputs(const WantedRun& chosen, const PreparedRun& run, engine:
   return outputs;
 }
 
-std::unique_ptr<Slam> begin_slam(const PreparedRun& run, SlamOptions options,
+std::unique_ptr<Slam> begin_slam(const PreparedRun& run, const SlamOptions& options,
                                  engine::Context& context) {
-  for (const MergedTopic& one : run.sensors.sweeps) {
-    options.origins.emplace_back(one.sensor.T_lidar_sensor.translation());
-  }
   std::unique_ptr<Slam> slam = make_slam(context, run.config, options);
   for (const StaticTransform& transform : run.sensors.transforms.transforms) {
     slam->add(transform);

@@ -168,21 +168,6 @@ ros::EncodedEvent ouster(const RangeSweep& sweep, Nanoseconds stamp, const std::
   return cloud.encode(stamp, frame, static_cast<uint32_t>(height), false);
 }
 
-ros::EncodedEvent radar(const RangeSweep& sweep, Nanoseconds stamp, const std::string& frame) {
-  Cloud cloud(
-      {{"x", 0, kFloat32}, {"y", 4, kFloat32}, {"z", 8, kFloat32}, {"intensity", 12, kFloat32}}, 16,
-      sweep.doppler);
-  const std::vector<std::size_t> indices = returned(sweep);
-  cloud.resize(indices.size());
-  for (std::size_t k = 0; k < indices.size(); ++k) {
-    const Return& back = sweep.returns[indices[k]];
-    put_position(cloud, k, point_of(sweep.firings[indices[k]], back));
-    cloud.put(k, 12, back.intensity);
-    cloud.put_doppler(k, back);
-  }
-  return cloud.encode(stamp, frame, 1, true);
-}
-
 /// A picture of points; its rows are the rings.
 ros::EncodedEvent camera(const RangeSweep& sweep, Nanoseconds stamp, const std::string& frame) {
   Cloud cloud(
@@ -236,8 +221,6 @@ ros::EncodedEvent cloud_message(const RangeSweep& sweep, CloudLayout layout, Nan
       return hesai(sweep, stamp, frame);
     case CloudLayout::livox:
       return livox(sweep, stamp, frame);
-    case CloudLayout::radar:
-      return radar(sweep, stamp, frame);
     case CloudLayout::camera:
       return camera(sweep, stamp, frame);
     case CloudLayout::velodyne:

@@ -24,8 +24,7 @@ enum class RandomStream : uint64_t {
   wheels,
   doppler,
   odometry,
-  heading,
-  radar
+  heading
 };
 
 /// Random numbers that are functions of (seed, stream, index): whichever thread asks for number

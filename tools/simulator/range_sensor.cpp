@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "adit/slam/core/units.hpp"
-#include "adit/tools/simulator/counter_random.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -109,19 +108,6 @@ void append(const CameraPattern& pattern, int64_t /*period*/, int64_t /*sweep*/,
   }
 }
 
-void append(const RadarPattern& pattern, int64_t /*period*/, int64_t sweep,
-            std::vector<Firing>& firings) {
-  const CounterRandom random(0, RandomStream::radar);
-  const auto first = 2U * static_cast<uint64_t>(sweep) * static_cast<uint64_t>(pattern.detections);
-  for (uint64_t i = 0; i < static_cast<uint64_t>(pattern.detections); ++i) {
-    const double across = 2.0 * random.uniform(first + 2U * i) - 1.0;
-    const double up = 2.0 * random.uniform(first + 2U * i + 1U) - 1.0;
-    firings.push_back(
-        {.time = 0,
-         .direction = direction_to(across * pattern.half_field.x(), up * pattern.half_field.y())});
-  }
-}
-
 }  // namespace
 
 std::string_view to_string(CloudLayout layout) {
@@ -134,8 +120,6 @@ std::string_view to_string(CloudLayout layout) {
       return "hesai";
     case CloudLayout::livox:
       return "livox";
-    case CloudLayout::radar:
-      return "radar";
     case CloudLayout::camera:
       return "camera";
   }

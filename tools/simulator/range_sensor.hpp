@@ -52,21 +52,12 @@ struct CameraPattern {
   double focal = 0.0;  ///< px
 };
 
-/// A 4D radar: detections anywhere in its field of view, all at once.
-struct RadarPattern {
-  int detections = 0;                   ///< pulses a scan; fewer come back
-  Eigen::Vector2d half_field{0, 0};     ///< rad, azimuth and elevation to either side
-  Eigen::Vector2d bearing_noise{0, 0};  ///< rad, standard deviations, likewise
-  double ghosts = 0.0;                  ///< share of returns by way of another surface
-};
-
 /// How a driver lays out its clouds.
 enum class CloudLayout {
   velodyne,  ///< x y z intensity, ring uint16, time float32: s after the stamp; returns alone
   ouster,    ///< organised, (0, 0, 0) without a return; t uint32: ns after the stamp
   hesai,     ///< ring uint16, timestamp float64: s of the epoch
   livox,     ///< Livox's CustomMsg
-  radar,     ///< x y z intensity, doppler float32: m/s; returns alone, neither rings nor times
   camera,    ///< organised as the picture, x y z intensity, NaN without a return
 };
 std::string_view to_string(CloudLayout layout);
@@ -78,7 +69,7 @@ CloudLayout cloud_layout_named(std::string_view name);
 struct RangeSensor {
   std::string name;
   CloudLayout layout = CloudLayout::velodyne;
-  std::variant<SpinningPattern, TracedPattern, CameraPattern, RadarPattern> pattern;
+  std::variant<SpinningPattern, TracedPattern, CameraPattern> pattern;
   int64_t period = 100000000;      ///< ns a sweep
   double nearest = 0.5;            ///< m
   double farthest = 100.0;         ///< m
@@ -89,7 +80,6 @@ struct RangeSensor {
   double divergence = 0.0015;      ///< rad, half angle of the beam
   double intensity_scale = 100.0;  ///< intensity of a white surface seen straight on
   bool doppler = false;            ///< measures the radial speed of each return
-  double doppler_noise = 0.05;     ///< m/s; data sheets of FMCW lidars have 0.03 to 0.1
 };
 
 /// One pulse.
@@ -105,8 +95,8 @@ std::vector<Firing> firings_of(const RangeSensor& sensor, int64_t index);
 
 std::vector<std::string> range_sensor_names();
 
-/// VLP-16, HDL-32E, HDL-64E, OS1-64, OS1-128, OS0-128, Mid-360, Avia, depth-camera at 10 Hz;
-/// radar-4d at 20 Hz. Throws UsageError for other names, with the nearest.
+/// VLP-16, HDL-32E, HDL-64E, OS1-64, OS1-128, OS0-128, Mid-360, Avia, depth-camera; at 10 Hz.
+/// Throws UsageError for other names, with the nearest.
 RangeSensor range_sensor_named(std::string_view name);
 
 }  // namespace adit

@@ -173,26 +173,6 @@ RangeSensor depth_camera() {
           .intensity_scale = 255.0};
 }
 
-/// A 4D imaging radar at 77 GHz, by what data sheets of such have in common: 120 x 40 degrees, 20
-/// scans a second, ranges to 0.15 m, bearings to 1 and 1.5 degrees, speeds to 0.1 m/s.
-RangeSensor radar_4d() {
-  return {.name = "radar-4d",
-          .layout = CloudLayout::radar,
-          .pattern = RadarPattern{.detections = 600,
-                                  .half_field = {60.0 * kDegree, 20.0 * kDegree},
-                                  .bearing_noise = {1.0 * kDegree, 1.5 * kDegree},
-                                  .ghosts = 0.05},
-          .period = 50000000,
-          .nearest = 0.5,
-          .farthest = 100.0,
-          .range_at_tenth = 60.0,
-          .noise = 0.15,
-          .resolution = 0.05,
-          .divergence = 0.01,
-          .doppler = true,
-          .doppler_noise = 0.1};
-}
-
 std::vector<RangeSensor> sensors() {
   std::vector<RangeSensor> all{vlp16(), hdl32e(), hdl64e()};
   for (const OusterModel& model : kOusters) {
@@ -201,7 +181,6 @@ std::vector<RangeSensor> sensors() {
   all.push_back(mid360());
   all.push_back(avia());
   all.push_back(depth_camera());
-  all.push_back(radar_4d());
   return all;
 }
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
-#include <variant>
 
 #include "adit/tools/simulator/counter_random.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
@@ -107,38 +106,7 @@ RangeSweep RangeSimulator::sweep(int64_t index, const Checkpoint& checkpoint) co
         }
       },
       checkpoint);
-  if (effects_.noise) {
-    add_radar_errors(first, sweep);
-  }
   return sweep;
-}
-
-// Bearings as they are measured; and ghosts: what came back by way of another surface seems to be
-// farther away, and its path grows that much faster.
-void RangeSimulator::add_radar_errors(uint64_t first, RangeSweep& sweep) const {
-  const auto* pattern = std::get_if<RadarPattern>(&sensor_.pattern);
-  if (pattern == nullptr) {
-    return;
-  }
-  const CounterRandom random(seed_, RandomStream::radar);
-  for (std::size_t i = 0; i < sweep.firings.size(); ++i) {
-    Return& back = sweep.returns[i];
-    Vector3d& direction = sweep.firings[i].direction;
-    const uint64_t number = 4U * (first + i);
-    const Eigen::Vector2d errors =
-        pattern->bearing_noise.cwiseProduct(random.gaussians(2U * number));
-    const Vector3d left = Vector3d::UnitZ().cross(direction);
-    const Vector3d turned =
-        direction + errors.x() * left + errors.y() * direction.cross(left / length_of(left));
-    direction = turned / length_of(turned);
-    if (back.range > 0.0 && random.uniform(16U * number + 8U) < pattern->ghosts) {
-      const double longer = 1.2 + 0.8 * random.uniform(16U * number + 9U);
-      back.range *= longer;
-      back.doppler *= static_cast<float>(longer);
-      back.surface = 0;
-      back.color = {};
-    }
-  }
 }
 
 std::vector<Mover> RangeSimulator::movers_near(const RangeSweep& sweep) const {
@@ -232,7 +200,8 @@ double RangeSimulator::strength(const Sight& seen, const Vector3d& direction) co
 
 float RangeSimulator::radial_speed(const Pulse& pulse, const Vector3d& direction, uint16_t object,
                                    const Vector3d& p_world) const {
-  constexpr double kStep = 1e-3;  // s, of the difference that stands for the object's velocity
+  constexpr double kNoise = 0.05;  // m/s; data sheets of FMCW lidars have 0.03 to 0.1
+  constexpr double kStep = 1e-3;   // s, of the difference that stands for the object's velocity
   const Vector3d p_body = mount_.T_body_lidar * pulse.firing->origin;
   Vector3d relative = -(pulse.motion->velocity + pulse.motion->T_world_body.linear() *
                                                      pulse.motion->angular_velocity.cross(p_body));
@@ -246,8 +215,7 @@ float RangeSimulator::radial_speed(const Pulse& pulse, const Vector3d& direction
   }
   double speed = relative.dot(direction);
   if (effects_.noise) {
-    speed += sensor_.doppler_noise *
-             CounterRandom(seed_, RandomStream::doppler).gaussians(pulse.number).x();
+    speed += kNoise * CounterRandom(seed_, RandomStream::doppler).gaussians(pulse.number).x();
   }
   return static_cast<float>(speed);
 }
@@ -265,7 +233,7 @@ uint8_t RangeSimulator::surface_of(const Sight& seen) {
 std::optional<Return> RangeSimulator::scattered_by_dust(const Pulse& pulse, const Vector3d& origin,
                                                         const Vector3d& direction,
                                                         double reach) const {
-  if (!effects_.dust || sensor_.layout == CloudLayout::radar || !(caster_.scene().dust > 0.0)) {
+  if (!effects_.dust || !(caster_.scene().dust > 0.0)) {
     return std::nullopt;
   }
   // Scattering by dust is exponential in the distance.

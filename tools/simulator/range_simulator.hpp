@@ -93,7 +93,6 @@ class RangeSimulator {
     bool mirrored = false;
   };
 
-  void add_radar_errors(uint64_t first, RangeSweep& sweep) const;
   std::vector<Mover> movers_near(const RangeSweep& sweep) const;
   Return measure(const Pulse& pulse, const Eigen::Isometry3d& T_world_lidar) const;
   std::optional<Sight> first_surface(const Eigen::Vector3d& origin,

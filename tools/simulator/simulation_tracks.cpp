@@ -35,7 +35,7 @@ uint64_t seed_of(uint64_t seed, std::size_t index) {
 /// The sensor with what is asked of it.
 RangeSensor sensor_of(const LidarOptions& options) {
   RangeSensor sensor = range_sensor_named(options.sensor);
-  sensor.doppler = sensor.doppler || options.doppler;
+  sensor.doppler = options.doppler;
   return sensor;
 }
 

@@ -7,7 +7,6 @@
 #include <numbers>
 #include <variant>
 
-#include "adit/slam/registration/radar_aligner.hpp"
 #include "adit/tools/clouds/returns.hpp"
 #include "adit/tools/recordings/topic_survey.hpp"
 
@@ -175,11 +174,6 @@ void TopicStatistics::add(const Event& event) {
                                          seconds(event.received - stamp)));
   std::visit([&](const auto& value) { take(*this, value, event.received); }, event.value);
   sweeps.coordinate_step = std::max(sweeps.coordinate_step, event.coordinate_step);
-}
-
-bool SweepStatistics::by_radar() const {
-  return 2 * with_doppler > points.count && returns.mean() > 0.0 &&
-         returns.mean() <= static_cast<double>(kMostRadarReturns);
 }
 
 uint64_t TopicStatistics::repeated() const {

@@ -62,8 +62,6 @@ struct SweepStatistics {
   uint64_t without_points = 0;  ///< sweeps, of the empty ones
   uint64_t with_rings = 0;      ///< sweeps
   uint64_t with_doppler = 0;    ///< sweeps
-  /// Most sweeps have Doppler speeds and so few points that no lidar measured them.
-  bool by_radar() const;
   /// Returns for some points of each sweep, by azimuth from 0 on, 5 degrees each.
   std::array<uint64_t, 72> returns_by_azimuth{};
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< m, Sweep::offset
