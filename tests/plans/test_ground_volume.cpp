@@ -74,15 +74,15 @@ TEST(GroundVolume, OfANoisyHeapAgreesWithItsError) {
                                                .square = 0.0625,
                                                .least_area = 1.0},
                                               anywhere);
-    EXPECT_NEAR(volume.fill.area, 19.6, 1.0);
+    EXPECT_NEAR(volume.fill.area, 3.14159 * std::pow(kHeapRadius + 0.4, 2), 2.0);
     EXPECT_EQ(volume.cut.area, 0.0);
     EXPECT_NEAR(volume.fill.error, 0.0625 * kSigma * std::sqrt(volume.fill.area / 0.0625), 0.01);
     squares += std::pow((volume.fill.volume - kVolumeOfHeap) / volume.fill.error, 2);
   }
   // Between the quantiles of 0.1 % and 99.9 % of chi squared with 40 degrees of freedom, widened
-  // at the top by what the foot of the heap loses below three standard deviations.
+  // at the top by what cells beside the heap lose or gain by being chosen.
   EXPECT_GT(squares, 17.9);
-  EXPECT_LT(squares, 2.0 * 73.4);
+  EXPECT_LT(squares, 1.5 * 73.4);
 }
 
 TEST(GroundVolume, ErrorsOfNeighboursThatAgreeCountAsOne) {
@@ -206,7 +206,7 @@ TEST_F(VolumeCommand, BetweenSessionsIsThatOfTheHeap) {
   EXPECT_NEAR(json.at("fill").at("volume_m3"), kVolumeOfHeap, 0.02 * kVolumeOfHeap);
   EXPECT_LT(json.at("cut").at("volume_m3"), 0.01);
   EXPECT_NEAR(json.at("stable").at("offset_m"), 0.0, 1e-3);
-  EXPECT_EQ(json.at("unseen_after_m2"), 0.0);
+  EXPECT_LT(json.at("unseen_after_m2"), 0.01 * json.at("area_m2").get<double>());
   const std::string tiff = test::content(folder_ / "difference.tif");
   for (const char* band : {"difference", "before", "after"}) {
     EXPECT_NE(tiff.find(std::string("role=\"description\">") + band), std::string::npos);

@@ -145,13 +145,27 @@ void write_two_rooms(const fs::path& file, double door) {
         if (std::abs(y - 3.0) > 0.5 * door) {
           test::add_point(submap, sensor, {is_left ? 4.95 : 5.05, y, z},
                           (is_left ? -1.0 : 1.0) * Vector3d::UnitX());
-        } else {  // through the door to the far wall, on which the disc of the door is narrow
-          test::add_point(submap, sensor, {is_left ? 10.0 : 0.0, y, z},
-                          (is_left ? -1.0 : 1.0) * Vector3d::UnitX());
         }
       }
       for (double y = 2.9; y < 3.1; y += 0.05) {
         test::add_point(submap, sensor, {5.0, y, z}, Vector3d::UnitX(), true);
+      }
+    }
+    // Of the other room what is seen through the door.
+    const auto sees = [&](const Vector3d& point) {
+      const double share = (5.0 - sensor.x()) / (point.x() - sensor.x());
+      return std::abs(sensor.y() + share * (point.y() - sensor.y()) - 3.0) < 0.5 * door - 0.02;
+    };
+    for (double x = 10.0 - high + shift; x <= 10.0 - low; x += 0.05) {
+      for (const Vector3d& point : {Vector3d(x, 0.0, 0.0), Vector3d(x, 6.0, 0.0)}) {
+        if (sees(point)) {
+          test::add_point(submap, sensor, point, Vector3d::UnitY());
+        }
+      }
+    }
+    for (double y = shift; y <= 6.0; y += 0.05) {
+      if (const Vector3d point(is_left ? 10.0 : 0.0, y, 0.0); sees(point)) {
+        test::add_point(submap, sensor, point, Vector3d::UnitX());
       }
     }
     for (double x = low + shift; x <= high; x += 0.1) {

@@ -69,7 +69,11 @@ ElevationLayers ElevationMap::layers() const {
                          .obstacle_height = GroundHeights(size)};
   for (const auto& [index, cell] : cells_) {
     if (cell.points > 0.0) {
-      layers.elevation.set(index, cell.heights / cell.points);
+      // In the cell's middle, wherever in it the points are.
+      const Eigen::Vector2d middle = grid_.middle(index);
+      const double mean = cell.heights / cell.points;
+      const auto above = planes_->height_above({middle.x(), middle.y(), mean});
+      layers.elevation.set(index, above ? mean - *above + cell.above / cell.points : mean);
       layers.obstacle_height.set(index, cell.obstacle);
     }
   }

@@ -14,7 +14,7 @@ namespace adit {
 
 /// Layers of an elevation map, by the names of ANYbotics' elevation_mapping and grid_map_filters.
 struct ElevationLayers {
-  GroundHeights elevation;        ///< m, mean of the ground's points
+  GroundHeights elevation;        ///< m, in the cell's middle, by the ground's points
   GroundHeights variance;         ///< m2, of that mean
   GroundHeights slope;            ///< degrees, of the plane through up to nine cells
   GroundHeights roughness;        ///< m, standard deviation of points about the ground's plane

@@ -19,7 +19,8 @@ using Index = GroundHeights::Index;
 // Of a normal distribution: half of it lies within so many standard deviations of its middle.
 constexpr double kQuartile = 0.6745;
 constexpr double kChanged = 3.0;  // standard deviations: 3 of 1000 unchanged cells are beyond
-constexpr double kBeside = 1.0;   // the same, of cells beside those
+constexpr int64_t kRim =
+    2;  // cells around those: what is steeper than 7 degrees has its foot in 0.5 m
 // Patches that a variance is known from to a quarter of itself, and cells that make some.
 constexpr std::size_t kLeastPatches = 30;
 constexpr std::size_t kLeastCells = 100;
@@ -100,36 +101,48 @@ std::vector<StableGround::Patches> patches_of(const std::map<Index, double>& res
   return patches;
 }
 
-/// Cells that have changed, of differences without their offset.
-std::set<Index> changed_cells(const std::map<Index, double>& differences, double spread,
-                              double least_cells) {
-  std::set<Index> changed;
+void visit_around(const Index& cell, int64_t reach, const auto& visit) {
+  for (int64_t y = -reach; y <= reach; ++y) {
+    for (int64_t x = -reach; x <= reach; ++x) {
+      visit(Index{cell[0] + y, cell[1] + x});
+    }
+  }
+}
+
+/// Whether each cell that counts is of what was filled in; of differences without their offset.
+std::map<Index, bool> changed_cells(const std::map<Index, double>& differences, double spread,
+                                    double least_cells) {
+  std::map<Index, bool> changed;
   std::set<Index> visited;
-  for (const auto& [seed, seed_difference] : differences) {
-    if (std::abs(seed_difference) < kChanged * spread || visited.contains(seed)) {
+  for (const auto& [seed, of_seed] : differences) {
+    if (std::abs(of_seed) < kChanged * spread || !visited.insert(seed).second) {
       continue;
     }
     std::vector<Index> place = {seed};
-    visited.insert(seed);
-    double clear = 0.0;  // cells that have changed by themselves
     for (std::size_t i = 0; i < place.size(); ++i) {
-      const Index at = place[i];
-      clear += std::abs(differences.at(at)) >= kChanged * spread ? 1.0 : 0.0;
-      for (int64_t y = -1; y <= 1; ++y) {
-        for (int64_t x = -1; x <= 1; ++x) {
-          const auto beside = differences.find({at[0] + y, at[1] + x});
-          if (beside != differences.end() && beside->second * seed_difference > 0.0 &&
-              std::abs(beside->second) >= kBeside * spread &&
-              visited.insert(beside->first).second) {
-            place.push_back(beside->first);
-          }
+      visit_around(place[i], 1, [&, fills = of_seed > 0.0](const Index& beside) {
+        const auto found = differences.find(beside);
+        if (found != differences.end() && (found->second > 0.0) == fills &&
+            std::abs(found->second) >= kChanged * spread && visited.insert(beside).second) {
+          place.push_back(beside);
         }
+      });
+    }
+    if (static_cast<double>(place.size()) >= least_cells) {
+      for (const Index& cell : place) {
+        changed.emplace(cell, of_seed > 0.0);
       }
     }
-    if (clear >= least_cells) {
-      changed.insert(place.begin(), place.end());
-    }
   }
+  std::map<Index, bool> rim;
+  for (const auto& [cell, fills] : changed) {
+    visit_around(cell, kRim, [&, fill = fills](const Index& beside) {
+      if (differences.contains(beside) && !changed.contains(beside)) {
+        rim.emplace(beside, fill);
+      }
+    });
+  }
+  changed.merge(rim);
   return changed;
 }
 
@@ -242,16 +255,18 @@ GroundVolume ground_volume(const GroundHeights& differences, const VolumeRule& r
   }
   const auto& stable = rule.stable;
   const double spread = stable ? std::max(stable->spread, kLeastSpread) : 0.0;
-  const std::set<Index> changed = changed_cells(wanted, spread, rule.least_area / rule.square);
+  const std::map<Index, bool> changed =
+      changed_cells(wanted, spread, rule.least_area / rule.square);
   GroundVolume volume;
   for (const auto& [cell, difference] : wanted) {
     volume.compared += rule.square;
-    if (!changed.contains(cell)) {
+    const auto fills = changed.find(cell);
+    if (fills == changed.end()) {
       volume.rest += rule.square * difference;
       continue;
     }
-    MeasuredVolume& part = difference > 0.0 ? volume.fill : volume.cut;
-    part.volume += rule.square * std::abs(difference);
+    MeasuredVolume& part = fills->second ? volume.fill : volume.cut;
+    part.volume += rule.square * (fills->second ? difference : -difference);
     part.area += rule.square;
   }
   volume.net.volume = volume.fill.volume - volume.cut.volume;

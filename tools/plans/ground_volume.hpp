@@ -80,8 +80,8 @@ struct VolumeRule {
   double least_area = 0.0;               ///< m2, of what has changed at one place
 };
 /// Of the differences of cells that `is_wanted`. A cell has changed where it differs by three times
-/// the spread of stable ground, or of kLeastSpread, and so have cells beside it that differ in the
-/// same direction by once that.
+/// the spread of stable ground, or of kLeastSpread. Cells up to two from it count with it, whatever
+/// they are: the foot of a heap is among them, and their noise has no sign.
 GroundVolume ground_volume(const GroundHeights& differences, const VolumeRule& rule,
                            const std::function<bool(const GroundHeights::Index&)>& is_wanted);
 /// m: three of it are 3 cm, the accuracy that data sheets of range sensors state. Stable ground may
