@@ -37,7 +37,7 @@ STREAMS = {"err", "err_", "cerr"}
 # Files that put reasons, warnings and findings into words: each statement with a literal of
 # several words is a message.
 TEXTS = ("engine/self_test/self_test*.cpp", "slam/core/config.cpp", "tools/cli/command_line.cpp",
-         "tools/cli/plain_complaint.cpp", "tools/clouds/cloud_columns.cpp", "tools/clouds/cloud_origin.cpp",
+         "tools/cli/readable_error.cpp", "tools/clouds/cloud_columns.cpp", "tools/clouds/cloud_origin.cpp",
          "tools/clouds/*_reader.cpp", "tools/clouds/sweep_times.cpp", "tools/containers/*_cursor.cpp",
          "tools/containers/bag_reader.cpp", "tools/containers/compression.cpp", "tools/containers/declaration_error.cpp",
          "tools/containers/mcap_reader.cpp", "tools/containers/sqlite_database.cpp", "tools/evaluation/evaluate.cpp",

@@ -27,7 +27,7 @@ constexpr CovarianceModel kWhiteModel{.kappa = 0.3,
 // chi squared that 99.9 % stay below, by degrees of freedom.
 constexpr std::array kChiSquared999 = {0.0, 10.83, 13.82, 16.27, 18.47, 20.52, 22.46};
 // Alignments err more than their covariances say: by three times in woods.
-constexpr double kBeyondBelief = 10.0;
+constexpr double kOutlierGateScale = 10.0;
 constexpr double kSurprises = 3.0;  // in a row are a failure
 // Alignments with weak directions lock into wrong places for a while: rings of the ground on rings
 // of the ground. So much of a surprise they are.
@@ -83,7 +83,7 @@ bool is_outlier(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& covariance
                 const RegistrationResult& alignment) {
   PoseMeasurement measurement =
       measured_pose(alignment, kWhiteModel, Eigen::Isometry3d::Identity());
-  measurement.root_information /= std::sqrt(kBeyondBelief);
+  measurement.root_information /= std::sqrt(kOutlierGateScale);
   StateEstimate prediction;
   prediction.state.T_map_body = T_map_lidar;
   prediction.covariance.topLeftCorner<6, 6>() = covariance;
@@ -115,7 +115,7 @@ std::variant<StateEstimate, FailedCheck> FusedMotion::predict(std::vector<ImuSam
 
 FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
                              const Eigen::Isometry3d& T_body_lidar, const CheckContext& context,
-                             std::vector<MeasuredWay> ways) {
+                             std::vector<MeasuredDisplacement> ways) {
   Pending pending = *std::exchange(pending_, std::nullopt);
   const double elapsed = seconds(pending.prediction.state.stamp - graph_.latest().stamp);
   alone_ = alignment != nullptr ? 0.0 : alone_ + elapsed;
@@ -126,7 +126,7 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
     inflation_ = inflation(*alignment, kWhiteModel);
     result.innovation = innovation(pending.prediction, *measurement);
     const auto degrees = static_cast<size_t>(measurement->known_directions);
-    result.innovation_gate = kBeyondBelief * kChiSquared999[degrees];
+    result.innovation_gate = kOutlierGateScale * kChiSquared999[degrees];
     const double surprise = holds_all(*alignment) ? 1.0 : kWeakSurprise;
     const bool outlier = result.innovation.nis > result.innovation_gate;
     outliers_ = outlier ? outliers_ + 1 : 0;
@@ -138,8 +138,8 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
     note(result.innovation);
     result.scale = error_scale();
   }
-  std::vector<MeasuredWay> trusted;
-  for (MeasuredWay& way : ways) {
+  std::vector<MeasuredDisplacement> trusted;
+  for (MeasuredDisplacement& way : ways) {
     VelocityWatch& watch = watches_[static_cast<size_t>(way.source)];
     const VelocityReport report = watch.judge(way, graph_.latest(), pending.prediction);
     result.velocities.push_back(report);

@@ -75,7 +75,7 @@ class FusedMotion {
   /// Fuses the sweep under way: by its alignment, or by inertia alone where that is null; and by
   /// the ways that were measured since the last sweep.
   FusedSweep fuse(const RegistrationResult* alignment, const Eigen::Isometry3d& T_body_lidar,
-                  const CheckContext& context, std::vector<MeasuredWay> ways = {});
+                  const CheckContext& context, std::vector<MeasuredDisplacement> ways = {});
 
   /// Sweeps fused in a row.
   int sweeps() const { return sweeps_; }

@@ -316,17 +316,18 @@ void InertialTracker::add(const BodyVelocity& velocity, VelocitySource source) {
   velocities_[static_cast<size_t>(source)].add(velocity);
 }
 
-std::vector<MeasuredWay> InertialTracker::ways_until(Nanoseconds stamp,
-                                                     const NavState& from) const {
+std::vector<MeasuredDisplacement> InertialTracker::ways_until(Nanoseconds stamp,
+                                                              const NavState& from) const {
   const std::array mountings = {Eigen::Isometry3d(T_body_lidar_ * T_lidar_velocity_),
                                 T_body_lidar_};
-  std::vector<MeasuredWay> ways;
+  std::vector<MeasuredDisplacement> ways;
   for (size_t i = 0; i < kVelocitySources; ++i) {
     if (velocities_[i].empty()) {
       continue;
     }
-    if (auto way = measured_way(velocities_[i], readings_.between(from.stamp, stamp).samples,
-                                from.bias.gyro, mountings[i], velocity_.sigma)) {
+    if (auto way =
+            measured_displacement(velocities_[i], readings_.between(from.stamp, stamp).samples,
+                                  from.bias.gyro, mountings[i], velocity_.sigma)) {
       way->source = static_cast<VelocitySource>(i);
       ways.push_back(*way);
     }

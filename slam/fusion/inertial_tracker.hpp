@@ -153,7 +153,7 @@ class InertialTracker {
   void fuse(Fused& fused, const RegistrationResult* alignment, const Eigen::Isometry3d& steady,
             InertialReport& report);
   /// What sensors of velocities measured since the last sweep.
-  std::vector<MeasuredWay> ways_until(Nanoseconds stamp, const NavState& from) const;
+  std::vector<MeasuredDisplacement> ways_until(Nanoseconds stamp, const NavState& from) const;
   void collect(const StampedPose& T_map_lidar, std::vector<Eigen::Vector3d> unheld);
   void compare_velocities(Nanoseconds stamp, const RegistrationResult& alignment);
   void start_if_possible();

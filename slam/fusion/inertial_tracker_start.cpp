@@ -86,9 +86,9 @@ std::optional<MeasuredMotion> InertialTracker::measured_motion(Nanoseconds begin
   const Eigen::Matrix3d R_end_body = (R_body_lidar * *turned).transpose();
   Eigen::Isometry3d T_body = Eigen::Isometry3d::Identity();
   T_body.linear() = R_body_lidar * *turned * R_body_lidar.transpose();
-  std::vector<MeasuredWay> ways = ways_until(end, from);
+  std::vector<MeasuredDisplacement> ways = ways_until(end, from);
   std::ranges::reverse(ways);  // Doppler speeds first: they have no scale
-  for (const MeasuredWay& way : ways) {
+  for (const MeasuredDisplacement& way : ways) {
     T_body.translation() = way.way + way.p_body_sensor - T_body.linear() * way.p_body_sensor;
     Eigen::Matrix3d errors = way.covariance;
     if (way.source == VelocitySource::sensor) {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "adit/slam/fusion/linearization.hpp"
-#include "adit/slam/inertial/measured_way.hpp"
+#include "adit/slam/inertial/measured_displacement.hpp"
 
 namespace adit {
 

@@ -76,7 +76,7 @@ GraphEstimate SlidingGraph::predict(const std::vector<ImuSample>& readings) cons
 
 GraphEstimate SlidingGraph::add(std::vector<ImuSample> readings,
                                 const std::optional<PoseMeasurement>& measurement,
-                                std::vector<MeasuredWay> ways) {
+                                std::vector<MeasuredDisplacement> ways) {
   Node node;
   node.between = preintegrate(readings, latest().bias, settings_.noise);
   if (node.between.duration <= 0.0) {
@@ -138,7 +138,7 @@ LinkQuadratic SlidingGraph::link_quadratic(size_t to, const NavState& from_state
   LinkQuadratic sum = quadratic(imu_factor(between, from_state, to_state));
   sum += quadratic(walk_factor(settings_.noise, nodes_[to].gravity_sigma, between.duration,
                                from_state, to_state));
-  for (const MeasuredWay& way : nodes_[to].ways) {
+  for (const MeasuredDisplacement& way : nodes_[to].ways) {
     const LinkFactor<3> factor = velocity_factor(way, from_state, to_state);
     sum += quadratic(factor, velocity_kernel(factor));
   }
@@ -161,7 +161,7 @@ StepInformation SlidingGraph::newest_step() const {
   step.imu = quadratic(imu_factor(node.between, from, node.state));
   step.imu += quadratic(walk);
   step.velocity = quadratic(calibration);
-  for (const MeasuredWay& way : node.ways) {
+  for (const MeasuredDisplacement& way : node.ways) {
     const LinkFactor<3> factor = velocity_factor(way, from, node.state);
     (way.source == VelocitySource::doppler ? step.doppler : step.velocity) +=
         quadratic(factor, velocity_kernel(factor));

@@ -14,7 +14,7 @@
 #include "adit/slam/fusion/pose_factor.hpp"
 #include "adit/slam/fusion/state_chain.hpp"
 #include "adit/slam/fusion/state_prior.hpp"
-#include "adit/slam/inertial/measured_way.hpp"
+#include "adit/slam/inertial/measured_displacement.hpp"
 #include "adit/slam/inertial/preintegration.hpp"
 
 namespace adit {
@@ -58,7 +58,7 @@ class SlidingGraph {
   /// and marginalises what is past the lag. After a failure the graph must be started again.
   GraphEstimate add(std::vector<ImuSample> readings,
                     const std::optional<PoseMeasurement>& measurement,
-                    std::vector<MeasuredWay> ways = {});
+                    std::vector<MeasuredDisplacement> ways = {});
 
  private:
   struct Node {
@@ -67,7 +67,7 @@ class SlidingGraph {
     std::vector<ImuSample> readings;  ///< from the node before; empty for the first
     Preintegration between;           ///< their preintegration
     double gravity_sigma = 0.0;       ///< of what gravity's direction has walked meanwhile, rad
-    std::vector<MeasuredWay> ways{};  ///< from the node before, by sensors of velocities
+    std::vector<MeasuredDisplacement> ways{};  ///< from the node before, by sensors of velocities
   };
 
   double gravity_sigma(const NavState& from, const NavState& to, double duration) const;

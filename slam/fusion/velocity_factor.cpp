@@ -8,7 +8,7 @@
 
 namespace adit {
 
-LinkFactor<3> velocity_factor(const MeasuredWay& measured, const NavState& from,
+LinkFactor<3> velocity_factor(const MeasuredDisplacement& measured, const NavState& from,
                               const NavState& to) {
   const Eigen::Matrix3d R_body_map = from.T_map_body.linear().transpose();
   const Eigen::Matrix3d R_from_to = R_body_map * to.T_map_body.linear();

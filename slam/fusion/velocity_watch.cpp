@@ -43,7 +43,7 @@ double median_of(const std::deque<Remembered>& remembered, const Value& value) {
 
 /// Covariance of a whitened residual by the predicted velocity and the calibration. The way errs as
 /// the velocity does.
-Eigen::Matrix3d whitened_common(const LinkFactor<3>& factor, const MeasuredWay& measured,
+Eigen::Matrix3d whitened_common(const LinkFactor<3>& factor, const MeasuredDisplacement& measured,
                                 const NavState& from, const StateEstimate& prediction) {
   const Eigen::Matrix3d by_velocity = measured.duration *
                                       factor.by_from.middleCols<3>(kPositionAt) *
@@ -57,7 +57,7 @@ Eigen::Matrix3d whitened_common(const LinkFactor<3>& factor, const MeasuredWay& 
 
 }  // namespace
 
-VelocityInnovation innovation(const MeasuredWay& measured, const NavState& from,
+VelocityInnovation innovation(const MeasuredDisplacement& measured, const NavState& from,
                               const StateEstimate& prediction) {
   const NavState& to = prediction.state;
   const LinkFactor<3> factor = velocity_factor(measured, from, to);
@@ -74,7 +74,7 @@ VelocityInnovation innovation(const MeasuredWay& measured, const NavState& from,
           .nis = factor.residual.dot(covariance.ldlt().solve(factor.residual))};
 }
 
-VelocityReport VelocityWatch::judge(MeasuredWay& measured, const NavState& from,
+VelocityReport VelocityWatch::judge(MeasuredDisplacement& measured, const NavState& from,
                                     const StateEstimate& prediction) {
   VelocityReport report{.source = measured.source,
                         .innovation = innovation(measured, from, prediction)};

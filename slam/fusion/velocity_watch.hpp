@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "adit/slam/fusion/graph_estimate.hpp"
-#include "adit/slam/inertial/measured_way.hpp"
+#include "adit/slam/inertial/measured_displacement.hpp"
 
 namespace adit {
 
@@ -21,7 +21,7 @@ struct VelocityInnovation {
 };
 
 /// `from`: the state before; `prediction`: where the readings of the inertial sensor lead.
-VelocityInnovation innovation(const MeasuredWay& measured, const NavState& from,
+VelocityInnovation innovation(const MeasuredDisplacement& measured, const NavState& from,
                               const StateEstimate& prediction);
 
 /// The turn and the scale that make the most of what a sensor of velocities reads.
@@ -62,7 +62,7 @@ class VelocityWatch {
   explicit VelocityWatch(double scale_sigma) : scale_sigma_(scale_sigma) {}
 
   /// Judges the way, and gives it the covariance that its source has earned.
-  VelocityReport judge(MeasuredWay& measured, const NavState& from,
+  VelocityReport judge(MeasuredDisplacement& measured, const NavState& from,
                        const StateEstimate& prediction);
 
  private:

@@ -12,9 +12,9 @@
 
 #include "adit/slam/core/median.hpp"
 #include "adit/slam/graph/condensation.hpp"
-#include "adit/slam/graph/drift_claim.hpp"
 #include "adit/slam/graph/graph_residuals.hpp"
-#include "adit/slam/graph/level_drift.hpp"
+#include "adit/slam/graph/horizontal_drift.hpp"
+#include "adit/slam/graph/implied_drift.hpp"
 
 namespace adit {
 namespace {
@@ -267,11 +267,11 @@ LoopOptimum optimize_with_loops(const PoseGraph& graph, const OnStep& on_step) {
   PoseGraph placed = graph.with_odometry_scaled(optimum.odometry_scale);
   placed.set_poses(optimum.poses);
   placed.set_T_world_map(optimum.T_world_map);
-  const double drift = level_drift(placed).smallest;
+  const double drift = horizontal_drift(placed).smallest;
   if (drift == 1.0) {
     return optimum;
   }
-  PoseGraph scaled = with_level_drift(placed, drift);
+  PoseGraph scaled = with_horizontal_drift(placed, drift);
   LoopOptimum again{robust_optimum(scaled, optimum.all_drift, on_step)};
   if (again.report.termination == Termination::stopped) {
     optimum.report.termination = Termination::stopped;

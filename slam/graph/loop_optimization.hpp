@@ -29,7 +29,8 @@ struct LoopOptimum : OptimizedGraph {
   /// The odometry's covariances counted so many times, 1 or more; chi squared and cost of its edges
   /// are with those.
   double odometry_scale = 1.0;
-  double level_drift_scale = 1.0;  ///< and its level drift's so many times, by fixes (LevelDrift)
+  double level_drift_scale =
+      1.0;                 ///< and its level drift's so many times, by fixes (HorizontalDrift)
   bool all_drift = false;  ///< the odometry's edges count squared, since all of them are off
 };
 
@@ -49,7 +50,7 @@ struct LoopOptimum : OptimizedGraph {
 /// loops fit as well.
 ///
 /// Where there are fixes, these and the loops tell how far the odometry drifts in the level
-/// (level_drift()), unless a loop that fits would not fit then.
+/// (horizontal_drift()), unless a loop that fits would not fit then.
 ///
 /// `on_step` is asked after each iteration; false ends the work (Termination::stopped).
 LoopOptimum optimize_with_loops(const PoseGraph& graph,

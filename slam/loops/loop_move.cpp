@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "adit/slam/graph/uncertain_ways.hpp"
+#include "adit/slam/graph/relative_poses.hpp"
 
 namespace adit {
 namespace {
@@ -22,12 +22,12 @@ PoseGraph without_loops(PoseGraph graph) {
   return graph;
 }
 
-std::optional<LoopMove> move_of(Ways& ways, const PoseEdge& loop) {
-  const std::optional<Uncertain> known = ways.between(loop.to, loop.from);
+std::optional<LoopMove> move_of(RelativePoses& relative, const PoseEdge& loop) {
+  const std::optional<UncertainPose> known = relative.between(loop.to, loop.from);
   if (!known) {
     return std::nullopt;
   }
-  const Uncertain error = *known * Uncertain{loop.T_from_to, covariance_of(loop)};
+  const UncertainPose error = *known * UncertainPose{loop.T_from_to, covariance_of(loop)};
   const Vector6d off = se3_log(error.pose);
   return LoopMove{.metres = error.pose.translation().norm(),
                   .radians = rotation_angle(error.pose.linear()),
@@ -50,10 +50,10 @@ Moves moves_from_graph_before(const PoseGraph& graph) {
     if (!is_loop(first)) {
       continue;
     }
-    Ways ways(before, covariances, Poses::measured);
+    RelativePoses relative(before, covariances, Poses::measured);
     std::size_t end = first;
     for (; end < moves.size() && is_loop(end); ++end) {
-      moves[end] = move_of(ways, graph.edges()[end]);
+      moves[end] = move_of(relative, graph.edges()[end]);
     }
     for (; first < end; ++first) {
       before.set_status(first, graph.edges()[first].status);
@@ -65,12 +65,12 @@ Moves moves_from_graph_before(const PoseGraph& graph) {
 Moves moves_from_odometry(const PoseGraph& graph) {
   const PoseGraph odometry = without_loops(graph);
   const RelativeCovariances covariances(odometry);
-  Ways ways(odometry, covariances, Poses::measured);
+  RelativePoses relative(odometry, covariances, Poses::measured);
   Moves moves(graph.edges().size());
   for (std::size_t i = 0; i < moves.size(); ++i) {
     const PoseEdge& edge = graph.edges()[i];
     if (edge.kind == EdgeKind::loop && edge.status == EdgeStatus::active) {
-      moves[i] = move_of(ways, edge);
+      moves[i] = move_of(relative, edge);
     }
   }
   return moves;

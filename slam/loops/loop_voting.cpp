@@ -12,29 +12,29 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
-#include "adit/slam/graph/uncertain_ways.hpp"
+#include "adit/slam/graph/relative_poses.hpp"
 
 namespace adit {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-Uncertain measured(const LoopHypothesis& loop) {
+UncertainPose measured(const LoopHypothesis& loop) {
   return {loop.T_from_to, loop.covariance};
 }
 
-double chi2(const Uncertain& error) {
+double chi2(const UncertainPose& error) {
   const Vector6d off = se3_log(error.pose);
   return off.dot(error.covariance.ldlt().solve(off));
 }
 
 /// With what an odometry drifts by on that path besides.
-Uncertain drifting(Uncertain error, const OdometryDrift& drift) {
+UncertainPose drifting(UncertainPose error, const OdometryDrift& drift) {
   error.covariance += error.response * drift.covariance() * error.response.transpose();
   return error;
 }
 
-DriftClaim claim_of(const LoopHypothesis& loop) {
+ImpliedDrift claim_of(const LoopHypothesis& loop) {
   return {.from = loop.from,
           .to = loop.to,
           .T_from_to = loop.T_from_to,
@@ -42,28 +42,30 @@ DriftClaim claim_of(const LoopHypothesis& loop) {
           .levelled = loop.levelled};
 }
 
-double odometry_disagreement(Ways& ways, const LoopHypothesis& loop) {
-  const std::optional<Uncertain> known = ways.between(loop.to, loop.from);
+double odometry_disagreement(RelativePoses& relative, const LoopHypothesis& loop) {
+  const std::optional<UncertainPose> known = relative.between(loop.to, loop.from);
   return known ? chi2(*known * measured(loop)) : kNever;
 }
 
 /// The cycle over both; nothing where the graph does not tie them.
-std::optional<Uncertain> cycle(Ways& ways, const LoopHypothesis& a, const LoopHypothesis& b) {
-  const std::optional<Uncertain> later = ways.between(a.to, b.to);
-  const std::optional<Uncertain> earlier = ways.between(b.from, a.from);
+std::optional<UncertainPose> cycle(RelativePoses& relative, const LoopHypothesis& a,
+                                   const LoopHypothesis& b) {
+  const std::optional<UncertainPose> later = relative.between(a.to, b.to);
+  const std::optional<UncertainPose> earlier = relative.between(b.from, a.from);
   return later && earlier ? std::optional(measured(a) * *later * inverse(measured(b)) * *earlier)
                           : std::nullopt;
 }
 
 /// A loop claims a height that the odometry is not believed to drift by, and fits it in all else: a
 /// floor that is built like the one above or below. What drifts is off elsewhere, too.
-bool is_another_floor(Ways& measured_ways, const PoseGraph& graph, const LoopHypothesis& loop,
-                      const OdometryDrift& drift, const LoopVotingSettings& settings) {
-  const std::optional<Uncertain> known = measured_ways.between(loop.to, loop.from);
+bool is_another_floor(RelativePoses& measured_poses, const PoseGraph& graph,
+                      const LoopHypothesis& loop, const OdometryDrift& drift,
+                      const LoopVotingSettings& settings) {
+  const std::optional<UncertainPose> known = measured_poses.between(loop.to, loop.from);
   if (!known || !loop.levelled) {
     return false;
   }
-  const DriftDifference claimed = *drift_difference(measured_ways, claim_of(loop));
+  const DriftDifference claimed = *drift_difference(measured_poses, claim_of(loop));
   const Vector6d off = claimed.difference - claimed.response * drift.rates();
   const Eigen::Matrix3d R_map_to = graph.nodes()[graph.index_of(loop.to)].T_map_node.linear();
   const double climb = R_map_to.row(2).dot(off.head<3>());
@@ -79,8 +81,8 @@ bool is_another_floor(Ways& measured_ways, const PoseGraph& graph, const LoopHyp
   return rest.dot(spread.ldlt().solve(rest)) <= settings.contradiction;
 }
 
-double disagreement(Ways& ways, const LoopHypothesis& a, const LoopHypothesis& b) {
-  const std::optional<Uncertain> error = cycle(ways, a, b);
+double disagreement(RelativePoses& relative, const LoopHypothesis& a, const LoopHypothesis& b) {
+  const std::optional<UncertainPose> error = cycle(relative, a, b);
   return error ? chi2(*error) : kNever;
 }
 
@@ -98,7 +100,7 @@ bool joins_parts(const PoseGraph& graph, const Parts& parts, const LoopHypothesi
 /// worst chi squared of the gaps between the two. Keyframes know which way is up, as only
 /// appearance finds such loops. Infinite where it claims a height that no odometry is believed to
 /// drift by, however little it knows it: a floor that is built like the one above or below.
-double gap_disagreement(Ways& ways, const PoseGraph& graph, const Parts& parts,
+double gap_disagreement(RelativePoses& relative, const PoseGraph& graph, const Parts& parts,
                         const LoopHypothesis& loop, const LoopVotingSettings& settings) {
   const std::size_t from_part = parts.part_of[graph.index_of(loop.from)];
   const std::size_t to_part = parts.part_of[graph.index_of(loop.to)];
@@ -106,12 +108,12 @@ double gap_disagreement(Ways& ways, const PoseGraph& graph, const Parts& parts,
   for (const GapCrossing& gap :
        gap_crossings(graph, parts.part_of, parts.gaps, from_part, to_part)) {
     const bool forward = parts.part_of[graph.index_of(gap.last)] == from_part;
-    const auto before = ways.between(gap.last, forward ? loop.from : loop.to);
-    const auto after = ways.between(forward ? loop.to : loop.from, gap.first);
+    const auto before = relative.between(gap.last, forward ? loop.from : loop.to);
+    const auto after = relative.between(forward ? loop.to : loop.from, gap.first);
     if (!before || !after) {
       continue;
     }
-    const Uncertain crossed =
+    const UncertainPose crossed =
         *before * (forward ? measured(loop) : inverse(measured(loop))) * *after;
     const Eigen::Vector3d gone = crossed.pose.translation();
     const double aside = gone.head<2>().norm();
@@ -176,29 +178,29 @@ Bundle bundle_of(std::size_t seed, std::span<const LoopHypothesis> all, const Ta
 
 /// The worst disagreement with an accepted loop, where too many of them contradict, by what was
 /// measured and by what the graph has made of it; else nothing. What is unexpected is held against
-/// what drift may have done on the cycle's ways.
-std::optional<double> contradicted(Ways& far_ways, Ways& measured_ways, const LoopHypothesis& loop,
-                                   bool unexpected, const EarlierLoops& before,
-                                   const LoopVotingSettings& settings) {
+/// what drift may have done on the cycle's paths.
+std::optional<double> contradicted(RelativePoses& far_poses, RelativePoses& measured_poses,
+                                   const LoopHypothesis& loop, bool unexpected,
+                                   const EarlierLoops& before, const LoopVotingSettings& settings) {
   const std::span<const LoopHypothesis> accepted = before.accepted;
   const auto asked = accepted.last(std::min(accepted.size(), settings.most_asked));
   std::size_t speaking = 0;
   std::size_t contradicting = 0;
   double worst = 0.0;
   for (const LoopHypothesis& other : asked) {
-    const std::optional<Uncertain> error = cycle(far_ways, loop, other);
+    const std::optional<UncertainPose> error = cycle(far_poses, loop, other);
     if (!error) {
       continue;  // loops of other parts of the map say nothing
     }
     ++speaking;
-    const auto contradicts = [&](const Uncertain& one) {
+    const auto contradicts = [&](const UncertainPose& one) {
       return unexpected ? before.drift.excess({.difference = se3_log(one.pose),
                                                .covariance = one.covariance,
                                                .response = one.response,
                                                .levelled = loop.levelled && other.levelled}) > 1.0
                         : chi2(one) > settings.contradiction;
     };
-    if (contradicts(*error) && contradicts(*cycle(measured_ways, loop, other))) {
+    if (contradicts(*error) && contradicts(*cycle(measured_poses, loop, other))) {
       ++contradicting;
       worst = std::max(worst, chi2(*error));
     }
@@ -215,8 +217,9 @@ struct Poll {
 };
 
 /// How the two keyframes are turned to each other, whatever else the graph knows of them.
-bool knows_heading(Ways& ways, const LoopHypothesis& loop, const LoopVotingSettings& settings) {
-  const std::optional<Uncertain> known = ways.between(loop.from, loop.to);
+bool knows_heading(RelativePoses& relative, const LoopHypothesis& loop,
+                   const LoopVotingSettings& settings) {
+  const std::optional<UncertainPose> known = relative.between(loop.from, loop.to);
   return known && std::sqrt(known->covariance(5, 5)) <= settings.heading_sigma;
 }
 
@@ -238,30 +241,31 @@ bool is_by_expectation(const PoseGraph& graph, const LoopHypothesis& loop,
 }
 
 /// Whether the odometry and the loops before object.
-LoopVote first_judged(Ways& far_ways, Ways& measured_ways, const PoseGraph& graph,
-                      const Parts& parts, const LoopHypothesis& loop, const EarlierLoops& before,
-                      const LoopVotingSettings& settings) {
+LoopVote first_judged(RelativePoses& far_poses, RelativePoses& measured_poses,
+                      const PoseGraph& graph, const Parts& parts, const LoopHypothesis& loop,
+                      const EarlierLoops& before, const LoopVotingSettings& settings) {
   const bool joins = joins_parts(graph, parts, loop);
-  LoopVote vote{.odometry_chi2 = joins ? gap_disagreement(far_ways, graph, parts, loop, settings)
-                                       : odometry_disagreement(far_ways, loop)};
-  vote.blind = !joins && loop.without_heading && !knows_heading(far_ways, loop, settings);
-  const std::optional<DriftDifference> difference = drift_difference(measured_ways, claim_of(loop));
+  LoopVote vote{.odometry_chi2 = joins ? gap_disagreement(far_poses, graph, parts, loop, settings)
+                                       : odometry_disagreement(far_poses, loop)};
+  vote.blind = !joins && loop.without_heading && !knows_heading(far_poses, loop, settings);
+  const std::optional<DriftDifference> difference =
+      drift_difference(measured_poses, claim_of(loop));
   const auto is_explained = [&] {
     return joins ? vote.odometry_chi2 <= settings.gap && !is_tilted(loop.T_from_to)
-                 : drift_explains(graph, measured_ways, claim_of(loop), before.drift) &&
+                 : drift_explains(graph, measured_poses, claim_of(loop), before.drift) &&
                        (!difference || before.drift.log_odds(*difference, explored_volume(graph)) >=
                                            settings.least_log_odds);
   };
   // Drift that has been shown may have brought another place to where this one was.
   const auto is_plausible = [&] { return !difference || before.drift.excess(*difference) <= 1.0; };
   const auto claims_the_same = [&](const LoopHypothesis& other) {
-    return disagreement(far_ways, loop, other) <= settings.agreement;
+    return disagreement(far_poses, loop, other) <= settings.agreement;
   };
   vote.unexpected = joins || !(vote.odometry_chi2 <= settings.contradiction);
   // What somebody expects is off in height as in all else, and its covariance says by how much.
   const bool may_climb = joins || is_by_expectation(graph, loop, before.earlier_nodes);
   const bool is_possible =
-      (may_climb || !is_another_floor(measured_ways, graph, loop, before.drift, settings)) &&
+      (may_climb || !is_another_floor(measured_poses, graph, loop, before.drift, settings)) &&
       (vote.unexpected ? is_explained() && std::ranges::none_of(before.refuted, claims_the_same)
                        : is_plausible());
   if (!is_possible) {
@@ -269,7 +273,7 @@ LoopVote first_judged(Ways& far_ways, Ways& measured_ways, const PoseGraph& grap
     return vote;
   }
   if (const auto worst =
-          contradicted(far_ways, measured_ways, loop, vote.unexpected, before, settings)) {
+          contradicted(far_poses, measured_poses, loop, vote.unexpected, before, settings)) {
     vote.objection = LoopObjection::loops;
     vote.worst_chi2 = *worst;
   }
@@ -399,42 +403,42 @@ std::optional<Bundle> unexpected_bundle(const PoseGraph& graph, const Parts& par
 
 double disagreement(const PoseGraph& graph, const LoopHypothesis& a, const LoopHypothesis& b) {
   const RelativeCovariances covariances(graph);
-  Ways ways(graph, covariances, Poses::measured);
-  return disagreement(ways, a, b);
+  RelativePoses relative(graph, covariances, Poses::measured);
+  return disagreement(relative, a, b);
 }
 
 double odometry_disagreement(const PoseGraph& graph, const LoopHypothesis& loop) {
   const RelativeCovariances covariances(graph);
-  Ways ways(graph, covariances, Poses::optimized);
-  return odometry_disagreement(ways, loop);
+  RelativePoses relative(graph, covariances, Poses::optimized);
+  return odometry_disagreement(relative, loop);
 }
 
 std::optional<DriftDifference> shown_drift(const PoseGraph& graph, const LoopHypothesis& loop,
                                            const LoopVotingSettings& settings) {
   const RelativeCovariances covariances(graph);
-  Ways ways(graph, covariances, Poses::measured, settings.lumps);
-  return drift_difference(ways, claim_of(loop));
+  RelativePoses relative(graph, covariances, Poses::measured, settings.lumps);
+  return drift_difference(relative, claim_of(loop));
 }
 
 std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesis> hypotheses,
                            const EarlierLoops& before, bool last_chance,
                            const LoopVotingSettings& settings) {
   const RelativeCovariances covariances(graph);
-  Ways ways(graph, covariances, Poses::measured);                       // between neighbours
-  Ways far_ways(graph, covariances, Poses::optimized, settings.lumps);  // whole rounds
-  Ways measured_ways(graph, covariances, Poses::measured, settings.lumps);
+  RelativePoses relative(graph, covariances, Poses::measured);  // between neighbours
+  RelativePoses far_poses(graph, covariances, Poses::optimized, settings.lumps);  // whole rounds
+  RelativePoses measured_poses(graph, covariances, Poses::measured, settings.lumps);
   const Parts parts{.part_of = connected_components(graph).component_of, .gaps = before.gaps};
   std::vector<LoopVote> votes;
   Poll poll{.all = hypotheses, .open = {}, .table = Table(hypotheses.size())};
   for (const LoopHypothesis& loop : hypotheses) {
-    votes.push_back(first_judged(far_ways, measured_ways, graph, parts, loop, before, settings));
+    votes.push_back(first_judged(far_poses, measured_poses, graph, parts, loop, before, settings));
     poll.open.push_back(votes.back().objection == LoopObjection::voters);
   }
   for (std::size_t a = 0; a < hypotheses.size(); ++a) {
     poll.table[a].resize(hypotheses.size(), 0.0);
     for (std::size_t b = 0; b < a; ++b) {
       if (poll.open[a] && poll.open[b]) {
-        const auto error = cycle(ways, hypotheses[b], hypotheses[a]);
+        const auto error = cycle(relative, hypotheses[b], hypotheses[a]);
         const bool drifted = votes[a].unexpected || votes[b].unexpected;
         poll.table[a][b] = poll.table[b][a] =
             !error ? kNever : chi2(drifted ? drifting(*error, before.drift) : *error);

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "adit/slam/graph/drift_claim.hpp"
+#include "adit/slam/graph/implied_drift.hpp"
 #include "adit/slam/graph/tracking_gap.hpp"
 #include "adit/slam/loops/loop_candidate.hpp"
 

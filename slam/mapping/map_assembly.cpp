@@ -387,7 +387,7 @@ void MapAssembly::close_loops(const LoopCloser::Change& change, std::size_t last
   }
 }
 
-void MapAssembly::tie_to_world(const WorldTies::Change& change, std::size_t last_tied) {
+void MapAssembly::tie_to_world(const GnssConstraints::Change& change, std::size_t last_tied) {
   if (!change.fixes.empty() || change.georeference) {
     store_->revise({.fixes = change.fixes,
                     .headings = change.headings,

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "adit/slam/core/config.hpp"
-#include "adit/slam/gnss/world_ties.hpp"
+#include "adit/slam/gnss/gnss_constraints.hpp"
 #include "adit/slam/loops/loop_closer.hpp"
 #include "adit/slam/mapping/localization.hpp"
 #include "adit/slam/mapping/map_store.hpp"
@@ -69,7 +69,7 @@ class MapAssembly {
   /// None: loops are not looked for.
   std::optional<LoopReport> loops() const;
   /// Fixes that have no place in the map, for the report.
-  WorldTies& world() { return world_; }
+  GnssConstraints& world() { return world_; }
 
  private:
   struct Due {
@@ -83,7 +83,7 @@ class MapAssembly {
   PoseGraph known_graph() const;
   void take_effect(NodeId until);
   void close_loops(const LoopCloser::Change& change, std::size_t last_tied);
-  void tie_to_world(const WorldTies::Change& change, std::size_t last_tied);
+  void tie_to_world(const GnssConstraints::Change& change, std::size_t last_tied);
   void follow(std::size_t last_tied);
   void settle();
   void begin_behind(StoredMap earlier, const GnssConfig& gnss);
@@ -100,7 +100,7 @@ class MapAssembly {
   MapMemory memory_;
   int delay_;  ///< keyframes
   std::optional<LoopCloser> loops_;
-  WorldTies world_;
+  GnssConstraints world_;
   PoseGraph graph_;
   std::vector<Eigen::Isometry3d> T_odom_keyframes_;  ///< in the order of the graph's nodes
   Eigen::Isometry3d T_map_odom_ = Eigen::Isometry3d::Identity();

@@ -9,7 +9,7 @@
 
 #include "adit/slam/gnss/gnss_noise.hpp"
 #include "adit/slam/graph/graph_residuals.hpp"
-#include "adit/slam/graph/level_drift.hpp"
+#include "adit/slam/graph/horizontal_drift.hpp"
 #include "adit/slam/graph/loop_optimization.hpp"
 #include "adit/slam/registration/beam_spacing.hpp"
 #include "adit/slam/submaps/free_space.hpp"
@@ -210,7 +210,7 @@ void Mapper::finish() {
                        (report_.loops && report_.loops->accepted > 0);
   if (is_tied && !report_.outgrown) {
     report_.shares =
-        map_shares(with_level_drift(as_weighted(graph), report_.gnss.level_drift_scale));
+        map_shares(with_horizontal_drift(as_weighted(graph), report_.gnss.level_drift_scale));
   }
 }
 

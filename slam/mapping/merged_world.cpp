@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "adit/slam/gnss/gnss_constraints.hpp"
 #include "adit/slam/gnss/world_covariance.hpp"
-#include "adit/slam/gnss/world_ties.hpp"
 
 namespace adit {
 namespace {
@@ -48,10 +48,10 @@ void optimize(PoseGraph& graph) {
 
 /// As one run would have it. False: the fixes do not say where the map lies.
 bool place_by_fixes(MergedWorld& merged, const GnssConfig& config) {
-  WorldTies ties(config);
+  GnssConstraints ties(config);
   ties.begin_behind(merged.fixes, merged.headings, std::nullopt);
   PoseGraph graph = merged.graph;
-  const WorldTies::Change change = ties.finish(graph);
+  const GnssConstraints::Change change = ties.finish(graph);
   if (!change.georeference) {
     return false;
   }

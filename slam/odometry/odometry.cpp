@@ -78,7 +78,7 @@ SweepResult Odometry::step(const Sweep& sweep) {
 }
 
 void Odometry::begin(const Sweep& sweep) {
-  assert(!impl_->begun && "the last sweep has not been finished");
+  assert(!impl_->pending && "the last sweep has not been finished");
   const auto start = std::chrono::steady_clock::now();
   SweepResult result;
   result.stamp = sweep.stamp;
@@ -95,43 +95,44 @@ void Odometry::begin(const Sweep& sweep) {
   engine::Submission submission = impl_->submit(expected);
   result.host_ms = milliseconds_since(start);
   result.clock = {.begun = start, .submitted = std::chrono::steady_clock::now()};
-  impl_->begun.emplace(Begun{.result = std::move(result),
-                             .expected = std::move(expected),
-                             .submission = std::move(submission),
-                             .aligns = aligns,
-                             .reach = reach_of(sweep.points)});
+  impl_->pending.emplace(PendingSweep{.result = std::move(result),
+                                      .expected = std::move(expected),
+                                      .submission = std::move(submission),
+                                      .aligns = aligns,
+                                      .reach = reach_of(sweep.points)});
   if (!aligns || impl_->first) {
-    impl_->begun->sweep = sweep;
+    impl_->pending->sweep = sweep;
   }
 }
 
 SweepResult Odometry::finish() {
-  assert(impl_->begun && "no sweep has been begun");
-  Begun begun = std::move(*impl_->begun);
-  impl_->begun.reset();
-  SweepResult& result = begun.result;
-  impl_->wait(begun.submission, result);
+  assert(impl_->pending && "no sweep has been begun");
+  PendingSweep pending = std::move(*impl_->pending);
+  impl_->pending.reset();
+  SweepResult& result = pending.result;
+  impl_->wait(pending.submission, result);
   const auto start = std::chrono::steady_clock::now();
   result.clock.done = start;
   const double waited = result.wait_ms;
-  if (begun.aligns) {
+  if (pending.aligns) {
     impl_->align_on(result);
   }
-  impl_->read_back(begun);
-  if (begun.aligns) {
-    impl_->search_again(begun.expected, result);
-    impl_->judge(begun.expected, result);
-    impl_->begin_again(begun);
+  impl_->read_back(pending);
+  if (pending.aligns) {
+    impl_->search_again(pending.expected, result);
+    impl_->judge(pending.expected, result);
+    impl_->begin_again(pending);
   }
-  impl_->fuse(begun.expected, result);
-  result.way_measured = begun.expected.measured && result.inertial.state == InertialState::starting;
-  result.state = impl_->decide(begun.expected, result);
+  impl_->fuse(pending.expected, result);
+  result.displacement_measured =
+      pending.expected.measured && result.inertial.state == InertialState::starting;
+  result.state = impl_->decide(pending.expected, result);
   if (result.state != OdometryState::coasting) {
-    impl_->reach = begun.reach;
+    impl_->reach = pending.reach;
   }
-  impl_->assess(begun.expected, result);
+  impl_->assess(pending.expected, result);
   if (result.state == OdometryState::initializing) {
-    impl_->first = std::move(begun.sweep);
+    impl_->first = std::move(pending.sweep);
   }
   if (impl_->is_keyframe(result)) {
     result.keyframe = true;

@@ -57,8 +57,9 @@ struct SweepResult {
   RegistrationResult
       registration;  ///< T_target_source is T_map_lidar; all default at the first sweep
   std::optional<Rejection> rejection;  ///< why an alignment is rejected
-  bool way_measured = false;  ///< by velocities, where the inertial sensor has not started yet
-  bool searched = false;      ///< aligned a second time, from several places: the first fell short
+  bool displacement_measured =
+      false;              ///< by velocities, where the inertial sensor has not started yet
+  bool searched = false;  ///< aligned a second time, from several places: the first fell short
   /// Without an IMU: the step to here takes more acceleration than a sensor has, so that it or the
   /// ones before are wrong.
   bool leapt = false;

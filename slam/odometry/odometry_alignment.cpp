@@ -115,7 +115,7 @@ engine::Submission Odometry::Impl::submit(const Expectation& expected) {
   });
 }
 
-void Odometry::Impl::read_back(Begun& sweep) {
+void Odometry::Impl::read_back(PendingSweep& sweep) {
   SweepResult& result = sweep.result;
   if (sweep.expected.motion) {
     result.deskewed = true;
@@ -204,7 +204,7 @@ SweepMotion Odometry::Impl::motion_at(const Sweep& sweep, const Vector6d& twist)
 // The first sweep of a sensor that is moving already was taken as it came, since its velocity
 // was unknown. With the second sweep's alignment it is known: both are done again, de-skewed, until
 // the velocity stays: an alignment of sweeps that are bent otherwise is off.
-void Odometry::Impl::begin_again(Begun& second) {
+void Odometry::Impl::begin_again(PendingSweep& second) {
   // A sweep with too few points is no second one: the next may be.
   if (!first || !second.aligns || second.result.cloud_points < config.registration.min_inliers) {
     return;

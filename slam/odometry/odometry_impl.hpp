@@ -32,7 +32,7 @@ struct Expectation {
 };
 
 /// A step between its halves.
-struct Begun {
+struct PendingSweep {
   SweepResult result;  ///< what is known of it by now
   Expectation expected;
   engine::Submission submission;
@@ -66,10 +66,10 @@ struct Odometry::Impl {
   engine::Submission submit(const Expectation& expected);
   void wait(engine::Submission& submission, SweepResult& result);
   void align_on(SweepResult& result);
-  void read_back(Begun& sweep);
+  void read_back(PendingSweep& sweep);
   void search_again(const Expectation& expected, SweepResult& result);
   void judge(const Expectation& expected, SweepResult& result);
-  void begin_again(Begun& second);
+  void begin_again(PendingSweep& second);
   SweepMotion motion_at(const Sweep& sweep, const Vector6d& twist) const;
   template <class Record>
   engine::Submission submitted(const Record& record);
@@ -88,7 +88,7 @@ struct Odometry::Impl {
   UnmeasuredMotion unmeasured;
   Matrix6d coasting = Matrix6d::Zero();  ///< covariance of predictions in a row
   bool joined = false;                   ///< the last sweep's cloud, the submap
-  std::optional<Begun> begun;            ///< a sweep that is on the device
+  std::optional<PendingSweep> pending;   ///< a sweep that is on the device
   bool hardly_moved = false;             ///< from the last sweep but one to the last
   bool at_rest = false;                  ///< the sensor was, when the last sweep was expected
   SweepRhythm rhythm;

@@ -60,7 +60,7 @@ bool is_carried(const DoubtfulStretch& stretch) {
 }
 
 /// Along the axis (lidar's, unit), by a sensor of velocities whose scale is known.
-bool is_way_measured(const InertialReport& report, const Eigen::Vector3d& axis) {
+bool is_displacement_measured(const InertialReport& report, const Eigen::Vector3d& axis) {
   const Eigen::Vector3d along = report.T_body_lidar.linear() * axis;
   return std::ranges::any_of(report.velocities, [&](const VelocityReport& velocity) {
     const double most = kMeasuredShare * velocity.innovation.predicted.norm();
@@ -117,15 +117,16 @@ void RunAssessor::add(const SweepResult& result) {
       .stamp = result.stamp, .T_map_lidar = result.T_map_lidar, .uncertainty = result.uncertainty};
   seen.aligned = result.state == OdometryState::tracking;
   seen.inertial = result.inertial.nav.has_value();
-  seen.measured = result.way_measured;
+  seen.measured = result.displacement_measured;
   seen.leapt = result.leapt;
   const RegistrationResult& alignment = result.registration;
   if (seen.aligned) {
     // Turns are held by an inertial sensor itself.
     const bool vague =
         !seen.inertial && is_vague(alignment.translation[0], result.uncertainty.local);
-    const bool slides = vague || (is_unheld(alignment.translation[0]) &&
-                                  !is_way_measured(result.inertial, alignment.translation[0].axis));
+    const bool slides =
+        vague || (is_unheld(alignment.translation[0]) &&
+                  !is_displacement_measured(result.inertial, alignment.translation[0].axis));
     seen.unheld = slides || (!seen.inertial && is_unheld(alignment.rotation[0]));
     if (slides) {
       seen.direction = result.T_map_lidar.linear() * alignment.translation[0].axis;

@@ -4,7 +4,7 @@
 // What the end of a map makes of an antenna that sits elsewhere and of a receiver that is late.
 #include <gtest/gtest.h>
 
-#include "adit/slam/gnss/world_ties.hpp"
+#include "adit/slam/gnss/gnss_constraints.hpp"
 #include "adit/tests/mapping/antenna_drive.hpp"
 
 namespace adit {
@@ -24,13 +24,13 @@ Finished mapped(const test::AntennaDrive& drive, const GnssConfig& config = {}) 
   const WorldFrame frame(kStart);
   Finished finished;
   finished.fixes = drive.map_fixes(frame);
-  WorldTies ties(config);
+  GnssConstraints ties(config);
   for (const StampedPose& pose : drive.odometry()) {
     ties.add_pose(pose, false);
   }
   PoseGraph graph;
   std::optional<Georeference> georeference;
-  const auto keep = [&](const WorldTies::Change& change) {
+  const auto keep = [&](const GnssConstraints::Change& change) {
     for (const MapFix& fix : change.fixes) {
       finished.fixes[static_cast<std::size_t>(fix.id) - 1] = fix;
     }

@@ -12,9 +12,9 @@
 #include <gtest/gtest.h>
 
 #include "adit/slam/core/units.hpp"
+#include "adit/slam/gnss/gnss_constraints.hpp"
 #include "adit/slam/gnss/gnss_noise.hpp"
 #include "adit/slam/gnss/heading_consensus.hpp"
-#include "adit/slam/gnss/world_ties.hpp"
 #include "adit/slam/graph/graph_residuals.hpp"
 #include "adit/slam/graph/solver.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
@@ -169,8 +169,8 @@ class HeadingDrive {
     }
   }
 
-  WorldTies run(const GnssConfig& config = {}) {
-    WorldTies ties(config);
+  GnssConstraints run(const GnssConfig& config = {}) {
+    GnssConstraints ties(config);
     graph_ = PoseGraph();
     placed_at_.reset();
     georeference_.reset();
@@ -179,8 +179,8 @@ class HeadingDrive {
   }
 
   /// A session of these nodes, behind those that the graph has.
-  void go_on(WorldTies& ties, NodeId begin, NodeId end) {
-    const auto keep = [&](const WorldTies::Change& change, NodeId id) {
+  void go_on(GnssConstraints& ties, NodeId begin, NodeId end) {
+    const auto keep = [&](const GnssConstraints::Change& change, NodeId id) {
       placed_at_ = !placed_at_ && change.georeference ? std::optional(id) : placed_at_;
       georeference_ = change.georeference ? change.georeference : georeference_;
       stored_ = change.headings.value_or(stored_);
@@ -262,7 +262,7 @@ class HeadingDrive {
 TEST(Headings, PlaceTheMapAtOnceByASingleFix) {
   HeadingDrive drive(40);
   drive.fixes.resize(1);
-  const WorldTies ties = drive.run();
+  const GnssConstraints ties = drive.run();
   ASSERT_TRUE(drive.placed_at());
   EXPECT_LE(*drive.placed_at(), 5);
   EXPECT_TRUE(ties.report().heading.placed);
@@ -284,7 +284,7 @@ TEST(Headings, AContinuedMapIsPlacedByItsFixesOnceTheyAreEnough) {
   for (MapHeading& heading : drive.headings) {
     heading.yaw += 20.0 * kDegree;
   }
-  WorldTies first({});
+  GnssConstraints first({});
   drive.go_on(first, 0, 40);
   ASSERT_TRUE(drive.georeference());
   EXPECT_GT(std::abs(drive.yaw_error()), 15.0 * kDegree);
@@ -293,7 +293,7 @@ TEST(Headings, AContinuedMapIsPlacedByItsFixesOnceTheyAreEnough) {
   MapFix used = drive.fixes.front();
   used.verdict = FixVerdict::used;
   used.information = used.covariance.inverse();
-  WorldTies second({});
+  GnssConstraints second({});
   second.begin_behind({used}, drive.stored(), drive.georeference());
   drive.go_on(second, 40, 200);
   EXPECT_LT(std::abs(drive.yaw_error()), 1.0 * kDegree);
@@ -357,7 +357,7 @@ TEST(Headings, AWrongSourceIsRefusedAndLeavesTheMapAsWithoutIt) {
       for (std::size_t i = 0; i < drive.headings.size(); ++i) {
         source.by(drive.headings[i], i, first);
       }
-      const WorldTies ties = drive.run();
+      const GnssConstraints ties = drive.run();
       const HeadingReport& report = ties.report().heading;
       ASSERT_TRUE(ties.report().georeference) << source.name;
       EXPECT_LT(drive.world_error(), 1.1 * without.world_error() + 1e-3) << source.name << sigma;
@@ -373,7 +373,7 @@ TEST(Headings, OutliersAmongThemAreFound) {
   for (std::size_t i = 0; i < drive.headings.size(); i += 10) {
     drive.headings[i].yaw += 2.0;
   }
-  const WorldTies ties = drive.run();
+  const GnssConstraints ties = drive.run();
   EXPECT_EQ(ties.report().heading.state, HeadingState::used);
   EXPECT_GE(ties.report().heading.verdicts[static_cast<std::size_t>(HeadingVerdict::outlier)], 9U);
   EXPECT_LE(ties.report().heading.verdicts[static_cast<std::size_t>(HeadingVerdict::outlier)], 14U);
@@ -386,7 +386,7 @@ TEST(Headings, ASteepAxisHasNoneAndTheErrorCountsAsNoLessThanAntennasReach) {
   for (MapHeading& heading : drive.headings) {
     heading.axis_keyframe = Vector3d(0.2, 0.0, 1.0).normalized();
   }
-  const WorldTies ties = drive.run();
+  const GnssConstraints ties = drive.run();
   EXPECT_EQ(ties.report().heading.verdicts[static_cast<std::size_t>(HeadingVerdict::impossible)],
             120U);
   EXPECT_EQ(ties.report().heading.state, HeadingState::waiting);

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/graph/drift_claim.hpp"
+#include "adit/slam/graph/implied_drift.hpp"
 #include "adit/slam/loops/loop_voting.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/graph/drift_claim.hpp"
-#include "adit/slam/graph/uncertain_ways.hpp"
+#include "adit/slam/graph/implied_drift.hpp"
+#include "adit/slam/graph/relative_poses.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 
 namespace adit {
@@ -51,13 +51,13 @@ Drive drive(const DriftRates& rates, int steps, double bend, double sigma = 1e-3
 DriftDifference difference(const Drive& made, NodeId from, NodeId to,
                            const Eigen::Isometry3d& shift = Eigen::Isometry3d::Identity()) {
   const RelativeCovariances covariances(made.graph);
-  Ways ways(made.graph, covariances, Poses::measured, 4.0);
+  RelativePoses relative(made.graph, covariances, Poses::measured, 4.0);
   return *drift_difference(
-      ways, {.from = from,
-             .to = to,
-             .T_from_to = made.truth[static_cast<std::size_t>(from)].inverse() * shift *
-                          made.truth[static_cast<std::size_t>(to)],
-             .covariance = test::diagonal_covariance(0.03, 0.003)});
+      relative, {.from = from,
+                 .to = to,
+                 .T_from_to = made.truth[static_cast<std::size_t>(from)].inverse() * shift *
+                              made.truth[static_cast<std::size_t>(to)],
+                 .covariance = test::diagonal_covariance(0.03, 0.003)});
 }
 
 Eigen::Isometry3d moved_aside(double metres) {

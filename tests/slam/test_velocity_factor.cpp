@@ -34,12 +34,12 @@ VelocityBuffer velocities(const test::WavyMotion& motion, double begin, double e
   return buffer;
 }
 
-TEST(MeasuredWay, IsTheSensorsOwn) {
+TEST(MeasuredDisplacement, IsTheSensorsOwn) {
   const test::WavyMotion motion = test::hand_held_motion();
   const VelocityBuffer buffer = velocities(motion, 0.0, 1.0);
   for (const double begin : {0.1, 0.33, 0.7}) {
-    const auto way = measured_way(buffer, test::readings(motion, begin, begin + 0.1, 200.0),
-                                  kNoBias, kSensor, 0.05);
+    const auto way = measured_displacement(
+        buffer, test::readings(motion, begin, begin + 0.1, 200.0), kNoBias, kSensor, 0.05);
     ASSERT_TRUE(way);
     const LinkFactor<3> factor =
         velocity_factor(*way, motion.state(begin), motion.state(begin + 0.1));
@@ -50,21 +50,23 @@ TEST(MeasuredWay, IsTheSensorsOwn) {
   }
 }
 
-TEST(MeasuredWay, IsUnknownWhereVelocitiesAreFarApart) {
+TEST(MeasuredDisplacement, IsUnknownWhereVelocitiesAreFarApart) {
   const test::WavyMotion motion = test::hand_held_motion();
   const auto readings = test::readings(motion, 0.4, 0.6, 200.0);
   VelocityBuffer buffer;
-  EXPECT_FALSE(measured_way(buffer, readings, kNoBias, kSensor, 0.05));
+  EXPECT_FALSE(measured_displacement(buffer, readings, kNoBias, kSensor, 0.05));
   EXPECT_TRUE(buffer.add(velocity_at(motion, 0.3)));
-  EXPECT_FALSE(measured_way(buffer, readings, kNoBias, kSensor, 0.05)) << "it is old at the end";
+  EXPECT_FALSE(measured_displacement(buffer, readings, kNoBias, kSensor, 0.05))
+      << "it is old at the end";
   EXPECT_TRUE(buffer.add(velocity_at(motion, 0.8)));
-  EXPECT_FALSE(measured_way(buffer, readings, kNoBias, kSensor, 0.05))
+  EXPECT_FALSE(measured_displacement(buffer, readings, kNoBias, kSensor, 0.05))
       << "half a second is too far";
   EXPECT_FALSE(buffer.add(velocity_at(motion, 0.5))) << "it comes too late";
-  EXPECT_TRUE(measured_way(velocities(motion, 0.3, 0.7), readings, kNoBias, kSensor, 0.05));
+  EXPECT_TRUE(
+      measured_displacement(velocities(motion, 0.3, 0.7), readings, kNoBias, kSensor, 0.05));
 }
 
-TEST(MeasuredWay, AnAxisThatIsNotMeasuredHoldsNothing) {
+TEST(MeasuredDisplacement, AnAxisThatIsNotMeasuredHoldsNothing) {
   const test::WavyMotion motion = test::hand_held_motion();
   VelocityBuffer buffer;
   for (double time = 0.0; time <= 0.5; time += 0.02) {
@@ -72,8 +74,8 @@ TEST(MeasuredWay, AnAxisThatIsNotMeasuredHoldsNothing) {
     velocity.linear[2] = std::numeric_limits<double>::quiet_NaN();
     buffer.add(velocity);
   }
-  const auto way =
-      measured_way(buffer, test::readings(motion, 0.2, 0.3, 200.0), kNoBias, kSensor, 0.05);
+  const auto way = measured_displacement(buffer, test::readings(motion, 0.2, 0.3, 200.0), kNoBias,
+                                         kSensor, 0.05);
   ASSERT_TRUE(way && way->way.allFinite());
   NavState to = motion.state(0.3);
   const double at_it = velocity_factor(*way, motion.state(0.2), to).residual.norm();
@@ -92,8 +94,8 @@ TEST(VelocityFactor, JacobiansEqualNumericalDifferentiation) {
   const VelocityBuffer buffer = velocities(motion, 0.0, 3.0);
   for (int run = 0; run < 20; ++run) {
     const double begin = 0.1 * run + 0.1;
-    auto way = measured_way(buffer, test::readings(motion, begin, begin + 0.1, 200.0), kNoBias,
-                            kSensor, 0.05);
+    auto way = measured_displacement(buffer, test::readings(motion, begin, begin + 0.1, 200.0),
+                                     kNoBias, kSensor, 0.05);
     ASSERT_TRUE(way);
     way->source = run % 4 == 0 ? VelocitySource::doppler : VelocitySource::sensor;
     const auto off = [&] {

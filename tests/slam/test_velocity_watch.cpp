@@ -30,10 +30,11 @@ struct StraightDrive {
     prediction.covariance.diagonal().segment<3>(kVelocityAt).setConstant(0.005 * 0.005);
     prediction.covariance(kScaleAt, kScaleAt) = 0.002 * 0.002;
     const Eigen::Vector3d noise = Eigen::Vector3d::NullaryExpr([&] { return normal(random); });
-    MeasuredWay way{.way = kBetweenSweeps * (Eigen::Vector3d(speed, 0.0, 0.0) + error + noise),
-                    .covariance = kBetweenSweeps * kBetweenSweeps * kReadingSigma * kReadingSigma *
-                                  Eigen::Matrix3d::Identity(),
-                    .duration = kBetweenSweeps};
+    MeasuredDisplacement way{
+        .way = kBetweenSweeps * (Eigen::Vector3d(speed, 0.0, 0.0) + error + noise),
+        .covariance = kBetweenSweeps * kBetweenSweeps * kReadingSigma * kReadingSigma *
+                      Eigen::Matrix3d::Identity(),
+        .duration = kBetweenSweeps};
     return watch.judge(way, from, prediction);
   }
 };

@@ -112,7 +112,7 @@ TEST(Verdict, WhereVelocitiesLedBeforeTheStartItIsDoubtfulHoweverFar) {
   RunAssessor assessor;
   for (int i = 0; i < 60; ++i) {
     SweepResult result = Ride::unheld(run.next(0.5));
-    result.way_measured = true;
+    result.displacement_measured = true;
     assessor.add(result);
   }
   const Verdict verdict = assessor.verdict();

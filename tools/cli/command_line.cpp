@@ -14,7 +14,7 @@
 
 #include "adit/tools/cli/command_guard.hpp"
 #include "adit/tools/cli/given_option.hpp"
-#include "adit/tools/cli/plain_complaint.hpp"
+#include "adit/tools/cli/readable_error.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -209,7 +209,7 @@ int answer(const CLI::App& app, const CLI::ParseError& error) {
   }
   const std::string name = name_of_chosen(app);
   const std::string unknown = unknown_words(app, *command);
-  const std::string complaint = plain_complaint(error.what());
+  const std::string complaint = readable_error(error.what());
   std::cerr << name << ": " << (unknown.empty() ? with_values(*command, complaint) : unknown)
             << "\nRun `" << name << " --help` for what it takes.\n";
   return kUsage;

@@ -6,7 +6,7 @@
 #include <cctype>
 #include <filesystem>
 
-#include "adit/tools/cli/plain_complaint.hpp"
+#include "adit/tools/cli/readable_error.hpp"
 #include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/support/usage_error.hpp"
 

@@ -9,7 +9,7 @@
 #include <fmt/core.h>
 
 #include "adit/slam/gnss/world_covariance.hpp"
-#include "adit/slam/graph/level_drift.hpp"
+#include "adit/slam/graph/horizontal_drift.hpp"
 #include "adit/tools/evaluation/evaluate_association.hpp"
 #include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/map_database/map_trajectory.hpp"
@@ -42,7 +42,7 @@ JudgedKeyframes chosen(const std::vector<MapKeyframe>& keyframes) {
 
 /// With the odometry's covariances as far as the fixes do not rule them out.
 PoseGraph as_drifted(const PoseGraph& graph) {
-  return with_level_drift(graph, level_drift(graph).largest);
+  return with_horizontal_drift(graph, horizontal_drift(graph).largest);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "adit/slam/gnss/world_ties.hpp"
+#include "adit/slam/gnss/gnss_constraints.hpp"
 
 namespace adit {
 

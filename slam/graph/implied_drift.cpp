@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/graph/drift_claim.hpp"
+#include "adit/slam/graph/implied_drift.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "adit/slam/graph/uncertain_ways.hpp"
+#include "adit/slam/graph/relative_poses.hpp"
 
 namespace adit {
 namespace {
@@ -57,13 +57,14 @@ std::optional<SamePlace> same_place(const PoseGraph& graph, std::size_t earlier,
 
 }  // namespace
 
-std::optional<DriftDifference> drift_difference(Ways& ways, const DriftClaim& claim) {
-  const std::optional<Uncertain> known = ways.between(claim.to, claim.from);
+std::optional<DriftDifference> drift_difference(RelativePoses& relative,
+                                                const ImpliedDrift& claim) {
+  const std::optional<UncertainPose> known = relative.between(claim.to, claim.from);
   if (!known) {
     return std::nullopt;
   }
-  const Uncertain error =
-      *known * Uncertain{.pose = claim.T_from_to, .covariance = claim.covariance};
+  const UncertainPose error =
+      *known * UncertainPose{.pose = claim.T_from_to, .covariance = claim.covariance};
   return DriftDifference{.difference = se3_log(error.pose),
                          .covariance = error.covariance,
                          .response = error.response,
@@ -74,12 +75,12 @@ bool is_tilted(const Eigen::Isometry3d& T_from_to) {
   return std::acos(std::clamp(T_from_to.linear()(2, 2), -1.0, 1.0)) > kTilt;
 }
 
-bool drift_explains(const PoseGraph& graph, Ways& measured, const DriftClaim& claim,
+bool drift_explains(const PoseGraph& graph, RelativePoses& measured, const ImpliedDrift& claim,
                     const OdometryDrift& drift) {
   if (claim.levelled && is_tilted(claim.T_from_to)) {
     return false;
   }
-  DriftClaim pair = claim;
+  ImpliedDrift pair = claim;
   while (true) {
     const std::optional<DriftDifference> difference = drift_difference(measured, pair);
     if (!difference) {
@@ -101,7 +102,7 @@ bool drift_explains(const PoseGraph& graph, Ways& measured, const DriftClaim& cl
     pair.from = graph.nodes()[same->node].id;
     pair.to = graph.nodes()[later - 1].id;
     pair.T_from_to = same->T_node_later;
-    const std::optional<Uncertain> way = measured.between(pair.to, pair.from);
+    const std::optional<UncertainPose> way = measured.between(pair.to, pair.from);
     if (way && way->path <= kSamePlace) {
       return true;  // loops that were accepted tie them from here on backwards
     }

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// WorldTies, at the end: where the antenna really sits, and how late the receiver is.
+// GnssConstraints, at the end: where the antenna really sits, and how late the receiver is.
 #include <algorithm>
 #include <utility>
 
+#include "adit/slam/gnss/gnss_constraints.hpp"
 #include "adit/slam/gnss/gnss_noise.hpp"
-#include "adit/slam/gnss/world_ties.hpp"
 #include "adit/slam/graph/graph_residuals.hpp"
-#include "adit/slam/graph/level_drift.hpp"
+#include "adit/slam/graph/horizontal_drift.hpp"
 #include "adit/slam/graph/loop_optimization.hpp"
 #include "adit/slam/graph/solver.hpp"
 
@@ -44,7 +44,7 @@ Corrected significant_ones(const std::array<AntennaParameter, 4>& parameters) {
 }  // namespace
 
 // From fixes that are used and from outliers: with a wrong antenna right ones may be among these.
-std::optional<AntennaEstimate> WorldTies::antenna_estimate(const PoseGraph& graph) {
+std::optional<AntennaEstimate> GnssConstraints::antenna_estimate(const PoseGraph& graph) {
   std::vector<AntennaSighting> sightings;
   for (const std::size_t i : told_by(graph)) {
     const MapFix& fix = fixes_[i];
@@ -61,7 +61,7 @@ std::optional<AntennaEstimate> WorldTies::antenna_estimate(const PoseGraph& grap
 }
 
 // Fixes' places in their keyframes, with the lidar's way by the odometry.
-void WorldTies::correct_antenna(const AntennaError& error) {
+void GnssConstraints::correct_antenna(const AntennaError& error) {
   for (std::size_t i = 0; i < fixes_.size(); ++i) {
     MapFix& fix = fixes_[i];
     const Eigen::Vector3d p_lidar_antenna =
@@ -81,7 +81,7 @@ void WorldTies::correct_antenna(const AntennaError& error) {
   delay_ += error(kDelay);
 }
 
-void WorldTies::judge_by(const AntennaEstimate& estimate, const PoseGraph& graph) {
+void GnssConstraints::judge_by(const AntennaEstimate& estimate, const PoseGraph& graph) {
   const std::vector<std::size_t> part = told_by(graph);
   for (std::size_t i = 0; i < part.size(); ++i) {
     set_verdict(part[i], estimate.agrees[i] ? FixVerdict::used : FixVerdict::outlier);
@@ -89,9 +89,10 @@ void WorldTies::judge_by(const AntennaEstimate& estimate, const PoseGraph& graph
 }
 
 // Of edges, verticals and fixes where the graph is; outliers count as if they were at their gate.
-double WorldTies::cost(const PoseGraph& graph, const OdometryScales& scales) {
-  double sum = graph_cost(with_level_drift(without_fixes(graph, scales.all), scales.level_drift),
-                          loop_kernels());
+double GnssConstraints::cost(const PoseGraph& graph, const OdometryScales& scales) {
+  double sum =
+      graph_cost(with_horizontal_drift(without_fixes(graph, scales.all), scales.horizontal_drift),
+                 loop_kernels());
   const std::vector<std::size_t> part = told_by(graph);
   std::vector<double> times;
   for (const std::size_t i : part) {
@@ -113,13 +114,13 @@ double WorldTies::cost(const PoseGraph& graph, const OdometryScales& scales) {
   return sum;
 }
 
-bool WorldTies::most_agree() const {
+bool GnssConstraints::most_agree() const {
   return count(FixVerdict::used) >= count(FixVerdict::outlier) + count(FixVerdict::waiting);
 }
 
 // Round by round, each from where the graph is by then. None: the equations cannot be solved.
-std::optional<AntennaEstimate> WorldTies::correct_significant(PoseGraph& graph,
-                                                              AntennaEstimate estimate) {
+std::optional<AntennaEstimate> GnssConstraints::correct_significant(PoseGraph& graph,
+                                                                    AntennaEstimate estimate) {
   AntennaError total = AntennaError::Zero();
   Corrected corrected = Corrected::Constant(false);
   for (int round = 0; round < kMostCorrections; ++round) {
@@ -146,8 +147,8 @@ std::optional<AntennaEstimate> WorldTies::correct_significant(PoseGraph& graph,
 }
 
 // Nothing is corrected that is not beyond doubt, and nothing that does not prove better.
-void WorldTies::calibrate_antenna(PoseGraph& graph) {
-  WorldTies trial = *this;
+void GnssConstraints::calibrate_antenna(PoseGraph& graph) {
+  GnssConstraints trial = *this;
   PoseGraph moved = graph;
   if (!frame_) {
     if (!trial.find_place(moved, {.agreement = kFewAgree, .yaw_sigma = kRoughYaw})) {

@@ -13,10 +13,10 @@
 
 namespace adit {
 
-class Ways;
+class RelativePoses;
 
 /// A loop: a measured pose of the later keyframe in the earlier one's frame.
-struct DriftClaim {
+struct ImpliedDrift {
   NodeId from = 0;  ///< the earlier keyframe
   NodeId to = 0;    ///< the later one
   Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
@@ -25,7 +25,7 @@ struct DriftClaim {
 };
 
 /// What a loop implies of the path between its keyframes; nothing where none ties them.
-std::optional<DriftDifference> drift_difference(Ways& ways, const DriftClaim& claim);
+std::optional<DriftDifference> drift_difference(RelativePoses& relative, const ImpliedDrift& claim);
 
 /// Between two places that know their vertical there is more tilt than an alignment may err by.
 bool is_tilted(const Eigen::Isometry3d& T_from_to);
@@ -36,7 +36,7 @@ bool is_tilted(const Eigen::Isometry3d& T_from_to);
 /// vertical, nothing explains a tilt. On the way back the stretches are not followed. `measured`
 /// has the edges' measurements: an optimum may have bent some of them for a loop far away. True
 /// where no path ties the keyframes.
-bool drift_explains(const PoseGraph& graph, Ways& measured, const DriftClaim& claim,
+bool drift_explains(const PoseGraph& graph, RelativePoses& measured, const ImpliedDrift& claim,
                     const OdometryDrift& drift);
 
 /// For each node, in the graph's order: whether an active loop goes from it or one before it to one

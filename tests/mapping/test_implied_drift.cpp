@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/graph/drift_claim.hpp"
+#include "adit/slam/graph/implied_drift.hpp"
 
 #include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/graph/uncertain_ways.hpp"
+#include "adit/slam/graph/relative_poses.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 
 namespace adit {
@@ -36,8 +36,8 @@ PoseGraph known_line(NodeId nodes) {
 bool is_explained(const PoseGraph& graph, NodeId from, NodeId to,
                   const Eigen::Isometry3d& T_from_to, bool levelled = true) {
   const RelativeCovariances covariances(graph);
-  Ways ways(graph, covariances, Poses::measured, 4.0);
-  return drift_explains(graph, ways,
+  RelativePoses relative(graph, covariances, Poses::measured, 4.0);
+  return drift_explains(graph, relative,
                         {.from = from,
                          .to = to,
                          .T_from_to = T_from_to,
@@ -47,7 +47,7 @@ bool is_explained(const PoseGraph& graph, NodeId from, NodeId to,
 }
 
 // Along a line and along it again, tied over the first 8 m of it and drifting upwards after that.
-TEST(DriftClaim, EndsWhereEarlierLoopsTieTheStretches) {
+TEST(ImpliedDrift, EndsWhereEarlierLoopsTieTheStretches) {
   PoseGraph graph = known_line(21);
   const NodeId again = 100;
   for (NodeId i = 0; i <= 20; ++i) {
@@ -68,7 +68,7 @@ TEST(DriftClaim, EndsWhereEarlierLoopsTieTheStretches) {
 }
 
 // The way between the stretches is 2 m long where they part, and 2 m longer with each keyframe.
-TEST(DriftClaim, HoldsForEachPairOfALongStretch) {
+TEST(ImpliedDrift, HoldsForEachPairOfALongStretch) {
   constexpr NodeId kLength = 300;
   PoseGraph graph = known_line(kLength);
   for (NodeId i = 0; i < kLength; ++i) {
@@ -84,7 +84,7 @@ TEST(DriftClaim, HoldsForEachPairOfALongStretch) {
 
 // Loops have closed a round with much drift, and the optimum has had one edge take what all of them
 // should: what is claimed a metre behind it is what was measured in that metre.
-TEST(DriftClaim, IsOfWhatTheWayHasMeasuredWhereAnOptimumHasBentIt) {
+TEST(ImpliedDrift, IsOfWhatTheWayHasMeasuredWhereAnOptimumHasBentIt) {
   PoseGraph graph = known_line(21);
   const NodeId again = 100;
   for (NodeId i = 0; i <= 10; ++i) {
@@ -100,7 +100,7 @@ TEST(DriftClaim, IsOfWhatTheWayHasMeasuredWhereAnOptimumHasBentIt) {
   EXPECT_FALSE(is_explained(graph, 5, again + 5, up(5.0))) << "where the graph has it";
 }
 
-TEST(DriftClaim, NothingExplainsATilt) {
+TEST(ImpliedDrift, NothingExplainsATilt) {
   const PoseGraph graph = known_line(61);
   Eigen::Isometry3d claimed = step(60.0);
   EXPECT_TRUE(is_explained(graph, 0, 60, claimed));
@@ -112,7 +112,7 @@ TEST(DriftClaim, NothingExplainsATilt) {
   EXPECT_FALSE(is_explained(graph, 0, 60, claimed, false));
 }
 
-TEST(DriftClaim, LoopsCorrectTheEdgesBetweenTheirEnds) {
+TEST(ImpliedDrift, LoopsCorrectTheEdgesBetweenTheirEnds) {
   PoseGraph graph = known_line(11);
   graph.add_edge(known_edge(2, 6, step(4.0)));
   EXPECT_EQ(within_loops(graph), (std::vector<bool>{false, false, true, true, true, true, false,

@@ -34,9 +34,9 @@ struct PlacedMap {
 /// which tell whether they agree with each other, and by the yaw that fixes give the map. Nothing
 /// of it is remembered from one assessment to the next, so that a source which was wrongly refused
 /// is used once more fixes are known.
-class HeadingTies {
+class HeadingConstraints {
  public:
-  explicit HeadingTies(const GnssConfig& config) : config_(config) {}
+  explicit HeadingConstraints(const GnssConfig& config) : config_(config) {}
 
   /// Those of earlier sessions that are used: they count as they did, and are not judged again.
   void begin_behind(std::vector<MapHeading> headings) { earlier_ = std::move(headings); }

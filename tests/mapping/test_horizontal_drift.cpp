@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/graph/level_drift.hpp"
+#include "adit/slam/graph/horizontal_drift.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -77,12 +77,12 @@ double level_error(const Drive& made, const std::vector<Eigen::Isometry3d>& pose
   return std::sqrt(sum / static_cast<double>(poses.size()));
 }
 
-TEST(LevelDrift, GoodFixesTellIt) {
+TEST(HorizontalDrift, GoodFixesTellIt) {
   for (const double error : {0.1, 0.3, 1.0, 3.0}) {
     for (const double height_error : {1.0, 3.0}) {
       for (unsigned seed = 1; seed <= 5; ++seed) {
         const Drive made = drive(error, kFixSigma, seed, height_error);
-        const LevelDrift found = level_drift(optimum_of(made.graph));
+        const HorizontalDrift found = horizontal_drift(optimum_of(made.graph));
         EXPECT_LE(found.smallest, 2.0 * error * error) << error << ", seed " << seed;
         EXPECT_GE(found.smallest, 0.2 * error * error) << error << ", seed " << seed;
         // Kernels leave large errors of edges less than these say.
@@ -93,10 +93,10 @@ TEST(LevelDrift, GoodFixesTellIt) {
   }
 }
 
-TEST(LevelDrift, PoorFixesRuleNothingOutAndBendNothingThatIsBetter) {
+TEST(HorizontalDrift, PoorFixesRuleNothingOutAndBendNothingThatIsBetter) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const Drive made = drive(0.1, 3.0, seed);
-    EXPECT_GE(level_drift(optimum_of(made.graph)).largest, 1.0) << seed;
+    EXPECT_GE(horizontal_drift(optimum_of(made.graph)).largest, 1.0) << seed;
     const double alone = level_error(made, poses_of(made.graph));
     const LoopOptimum bent = optimize_with_loops(made.graph);
     EXPECT_LE(level_error(made, bent.poses), 1.5 * alone + 0.01)
@@ -104,7 +104,7 @@ TEST(LevelDrift, PoorFixesRuleNothingOutAndBendNothingThatIsBetter) {
   }
 }
 
-TEST(LevelDrift, WhatTellsNothingLeavesTheOdometryAsItIs) {
+TEST(HorizontalDrift, WhatTellsNothingLeavesTheOdometryAsItIs) {
   Drive made = drive(0.1, kFixSigma, 1);
   PoseGraph without_levels;
   for (const PoseNode& node : made.graph.nodes()) {
@@ -118,13 +118,13 @@ TEST(LevelDrift, WhatTellsNothingLeavesTheOdometryAsItIs) {
   PoseGraph with_one = made.graph;
   with_one.add_fix(only);
   for (const PoseGraph& graph : {without_levels, made.graph, with_one}) {
-    EXPECT_EQ(level_drift(graph).smallest, 1.0);
-    EXPECT_EQ(level_drift(graph).largest, 1.0);
+    EXPECT_EQ(horizontal_drift(graph).smallest, 1.0);
+    EXPECT_EQ(horizontal_drift(graph).largest, 1.0);
     EXPECT_EQ(optimize_with_loops(graph).level_drift_scale, 1.0);
   }
 }
 
-TEST(LevelDrift, ScalesTheLevelOfUsualEdgesAlone) {
+TEST(HorizontalDrift, ScalesTheLevelOfUsualEdgesAlone) {
   PoseGraph graph = test::line(4);
   PoseEdge unusual = test::edge(3, 4, test::step(1.0));
   unusual.information(0, 0) /= 100.0;
@@ -135,7 +135,7 @@ TEST(LevelDrift, ScalesTheLevelOfUsualEdgesAlone) {
   Eigen::Isometry3d T_world_map = Eigen::Isometry3d::Identity();
   T_world_map.linear() = Eigen::AngleAxisd(-0.5 * kPi, Eigen::Vector3d::UnitY()).toRotationMatrix();
   graph.set_T_world_map(T_world_map);
-  const PoseGraph scaled = with_level_drift(graph, 0.01);
+  const PoseGraph scaled = with_horizontal_drift(graph, 0.01);
   Vector6d expected;
   expected << 1e2, 1e4, 1e4, 1e4, 1e2, 1e2;
   EXPECT_TRUE(scaled.edges()[0].information.isApprox(Matrix6d(expected.asDiagonal()), 1e-9))
@@ -143,7 +143,7 @@ TEST(LevelDrift, ScalesTheLevelOfUsualEdgesAlone) {
   EXPECT_EQ(scaled.edges()[4].information, graph.edges()[4].information) << "a loop";
 
   graph.set_T_world_map(Eigen::Isometry3d::Identity());
-  EXPECT_EQ(with_level_drift(graph, 0.01).edges()[3].information, unusual.information);
+  EXPECT_EQ(with_horizontal_drift(graph, 0.01).edges()[3].information, unusual.information);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/gnss/heading_ties.hpp"
+#include "adit/slam/gnss/heading_constraints.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -69,7 +69,7 @@ double heading_deviation(const Heading& heading, const GnssConfig& config) {
   return std::max(kBestDeviation, heading.sigma.value_or(config.heading_sigma));
 }
 
-void HeadingTies::add(std::span<const MapHeading> headings) {
+void HeadingConstraints::add(std::span<const MapHeading> headings) {
   headings_.insert(headings_.end(), headings.begin(), headings.end());
   report_.headings = headings_.size();
   report_.verdicts[static_cast<std::size_t>(HeadingVerdict::waiting)] += headings.size();
@@ -78,14 +78,14 @@ void HeadingTies::add(std::span<const MapHeading> headings) {
   }
 }
 
-void HeadingTies::set_verdict(std::size_t i, HeadingVerdict verdict) {
+void HeadingConstraints::set_verdict(std::size_t i, HeadingVerdict verdict) {
   --report_.verdicts[static_cast<std::size_t>(headings_[i].verdict)];
   ++report_.verdicts[static_cast<std::size_t>(verdict)];
   headings_[i].verdict = verdict;
 }
 
 // The noise of a source that works changes its last digits.
-bool HeadingTies::is_frozen(const PoseGraph& graph, std::size_t i) {
+bool HeadingConstraints::is_frozen(const PoseGraph& graph, std::size_t i) {
   if (headings_[i].yaw != headings_[repeated_].yaw) {
     repeated_ = i;
   }
@@ -94,7 +94,7 @@ bool HeadingTies::is_frozen(const PoseGraph& graph, std::size_t i) {
   return std::abs(wrapped_angle(turned)) > kFrozenTurn;
 }
 
-void HeadingTies::judge_new(const PoseGraph& graph, NodeId last) {
+void HeadingConstraints::judge_new(const PoseGraph& graph, NodeId last) {
   for (; has_new(last); ++judged_) {
     const MapHeading& heading = headings_[judged_];
     const bool soon = last_kept_ && heading.stamp >= headings_[*last_kept_].stamp &&
@@ -112,7 +112,7 @@ void HeadingTies::judge_new(const PoseGraph& graph, NodeId last) {
 }
 
 // Those of the first part of the map that can agree, in order. The others are apart.
-std::vector<std::size_t> HeadingTies::part_of(const PoseGraph& graph) {
+std::vector<std::size_t> HeadingConstraints::part_of(const PoseGraph& graph) {
   const FirstPart first(graph);
   std::vector<std::size_t> part;
   for (std::size_t i = 0; i < judged_; ++i) {
@@ -128,7 +128,7 @@ std::vector<std::size_t> HeadingTies::part_of(const PoseGraph& graph) {
   return part;
 }
 
-std::vector<double> HeadingTies::shares_of(std::span<const std::size_t> part) const {
+std::vector<double> HeadingConstraints::shares_of(std::span<const std::size_t> part) const {
   std::vector<double> times;
   for (const std::size_t i : part) {
     times.push_back(seconds(headings_[i].stamp - headings_.front().stamp));
@@ -136,8 +136,8 @@ std::vector<double> HeadingTies::shares_of(std::span<const std::size_t> part) co
   return independent_shares(times, config_.correlation);
 }
 
-void HeadingTies::assess(const PoseGraph& graph, const Eigen::Matrix3d& levelling,
-                         const PlacedMap& place, const std::optional<MapYaw>& by_fixes) {
+void HeadingConstraints::assess(const PoseGraph& graph, const Eigen::Matrix3d& levelling,
+                                const PlacedMap& place, const std::optional<MapYaw>& by_fixes) {
   const std::vector<std::size_t> part = part_of(graph);
   const std::vector<double> shares = shares_of(part);
   std::vector<YawSample> samples;
@@ -181,7 +181,7 @@ void HeadingTies::assess(const PoseGraph& graph, const Eigen::Matrix3d& levellin
   }
 }
 
-std::vector<MapHeading> HeadingTies::used(const PoseGraph& graph) const {
+std::vector<MapHeading> HeadingConstraints::used(const PoseGraph& graph) const {
   std::vector<MapHeading> all = earlier_;
   const FirstPart first(graph);
   std::vector<std::size_t> part;
@@ -204,7 +204,7 @@ std::vector<MapHeading> HeadingTies::used(const PoseGraph& graph) const {
   return all;
 }
 
-void HeadingTies::judge_again(const PoseGraph& graph, const WorldFrame& frame) {
+void HeadingConstraints::judge_again(const PoseGraph& graph, const WorldFrame& frame) {
   if (!yaw_) {
     return;
   }
@@ -231,7 +231,7 @@ void HeadingTies::judge_again(const PoseGraph& graph, const WorldFrame& frame) {
   report_.innovation_squared = chi2 / count;
 }
 
-void HeadingTies::forget_place() {
+void HeadingConstraints::forget_place() {
   earlier_.clear();  // they led to that place
   yaw_.reset();
   report_.state = report_.state == HeadingState::used ? HeadingState::waiting : report_.state;

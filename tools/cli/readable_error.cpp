@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/cli/plain_complaint.hpp"
+#include "adit/tools/cli/readable_error.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -59,7 +59,7 @@ std::string wanted_values(int least, int most, const std::string& names) {
          "); write other words before it, or `--` between";
 }
 
-std::string plain_complaint(const std::string& text) {
+std::string readable_error(const std::string& text) {
   constexpr std::string_view kConversion = "Could not convert: ";
   const std::size_t equals = text.find(" = ");
   if (text.starts_with(kConversion) && equals != text.npos) {

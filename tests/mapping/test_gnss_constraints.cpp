@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/gnss/world_ties.hpp"
+#include "adit/slam/gnss/gnss_constraints.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -49,8 +49,8 @@ class Survey {
   void change(const std::function<void(MapFix&)>& by) { std::ranges::for_each(fixes_, by); }
 
   /// The graph is optimised up to the node `outgrown`.
-  WorldTies run(const GnssConfig& config = {}, NodeId outgrown = 1'000'000) {
-    WorldTies ties(config);
+  GnssConstraints run(const GnssConfig& config = {}, NodeId outgrown = 1'000'000) {
+    GnssConstraints ties(config);
     PoseGraph growing;
     for (const PoseNode& node : graph_.nodes()) {
       growing.add_node(node);
@@ -108,7 +108,7 @@ class Survey {
                       .path = static_cast<double>(node) + later});
   }
 
-  void keep(const WorldTies::Change& change) {
+  void keep(const GnssConstraints::Change& change) {
     for (const MapFix& fix : change.fixes) {
       fixes_[static_cast<std::size_t>(fix.id) - 1] = fix;
     }
@@ -126,9 +126,9 @@ class Survey {
   std::optional<Georeference> georeference_;
 };
 
-TEST(WorldTies, AGraphThatIsOptimizedNoMoreKeepsItsPlace) {
+TEST(GnssConstraints, AGraphThatIsOptimizedNoMoreKeepsItsPlace) {
   Survey survey(80);
-  const WorldTies ties = survey.run({}, 50);
+  const GnssConstraints ties = survey.run({}, 50);
   ASSERT_TRUE(ties.report().georeference);
   EXPECT_EQ(survey.count(FixVerdict::waiting), 0U);
   EXPECT_LT(survey.world_error(), 0.5);
@@ -137,10 +137,10 @@ TEST(WorldTies, AGraphThatIsOptimizedNoMoreKeepsItsPlace) {
   EXPECT_LT(whole.world_error(), survey.world_error());
 }
 
-TEST(WorldTies, PlacesTheMapAndTakesItsDriftOut) {
+TEST(GnssConstraints, PlacesTheMapAndTakesItsDriftOut) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     Survey survey(150, 0.02, seed);
-    const WorldTies ties = survey.run({.correlation = 1.0});
+    const GnssConstraints ties = survey.run({.correlation = 1.0});
     ASSERT_TRUE(ties.report().georeference);
     EXPECT_LT(survey.world_error(), 0.03);  // the climb alone is 0.3 m at the end
     EXPECT_GT(survey.count(FixVerdict::used), 250U);
@@ -152,7 +152,7 @@ TEST(WorldTies, PlacesTheMapAndTakesItsDriftOut) {
   }
 }
 
-TEST(WorldTies, OutliersDoNotCount) {
+TEST(GnssConstraints, OutliersDoNotCount) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     Survey survey(150, 0.02, seed);
     std::uniform_real_distribution<double> far(10.0, 50.0);
@@ -172,7 +172,7 @@ TEST(WorldTies, OutliersDoNotCount) {
   }
 }
 
-TEST(WorldTies, AReceiverThatJumpsHalfWayIsNotFollowed) {
+TEST(GnssConstraints, AReceiverThatJumpsHalfWayIsNotFollowed) {
   Survey survey(150, 0.02, 3);
   survey.change(
       [](MapFix& fix) { fix.place.latitude += fix.keyframe > 90 ? 5.0 / 111000.0 : 0.0; });
@@ -184,12 +184,12 @@ TEST(WorldTies, AReceiverThatJumpsHalfWayIsNotFollowed) {
   EXPECT_LT(survey.world_error(), 0.2);
 }
 
-TEST(WorldTies, AJumpIsReportedWithItsTimeItsSizeAndWhatIsOnEitherSide) {
+TEST(GnssConstraints, AJumpIsReportedWithItsTimeItsSizeAndWhatIsOnEitherSide) {
   for (const NodeId last : {74, 40, 110}) {
     Survey survey(150, 0.02, 3);
     survey.change(
         [&](MapFix& fix) { fix.place.latitude += fix.keyframe > last ? 50.0 / 111000.0 : 0.0; });
-    const WorldTies ties = survey.run({.correlation = 1.0});
+    const GnssConstraints ties = survey.run({.correlation = 1.0});
     ASSERT_TRUE(ties.report().jump) << last;
     const ReceiverJump& jump = *ties.report().jump;
     EXPECT_NEAR(jump.distance, 50.0, 1.0) << last;
@@ -199,7 +199,7 @@ TEST(WorldTies, AJumpIsReportedWithItsTimeItsSizeAndWhatIsOnEitherSide) {
   }
 }
 
-TEST(WorldTies, NoJumpIsReportedWhereThereIsNone) {
+TEST(GnssConstraints, NoJumpIsReportedWhereThereIsNone) {
   Survey healthy(150, 0.02, 3);
   EXPECT_FALSE(healthy.run({.correlation = 1.0}).report().jump);
   Survey scattered(150, 0.02, 4);
@@ -208,7 +208,7 @@ TEST(WorldTies, NoJumpIsReportedWhereThereIsNone) {
   EXPECT_FALSE(scattered.run({.correlation = 1.0}).report().jump) << "many paths, no jump";
 }
 
-TEST(WorldTies, FixesWithoutAnAltitudeCountWithTheirLevelPosition) {
+TEST(GnssConstraints, FixesWithoutAnAltitudeCountWithTheirLevelPosition) {
   Survey survey(100, 0.02, 4, 0.0);
   survey.change([](MapFix& fix) {
     if (fix.id % 2 == 0) {
@@ -218,7 +218,7 @@ TEST(WorldTies, FixesWithoutAnAltitudeCountWithTheirLevelPosition) {
       fix.covariance(2, 2) = kUnknownHeight * kUnknownHeight;
     }
   });
-  const WorldTies ties = survey.run({.correlation = 1.0});
+  const GnssConstraints ties = survey.run({.correlation = 1.0});
   ASSERT_TRUE(ties.report().georeference);
   EXPECT_EQ(survey.count(FixVerdict::outlier), 0U);
   EXPECT_LT(ties.report().vertical, 0.1);
@@ -227,24 +227,24 @@ TEST(WorldTies, FixesWithoutAnAltitudeCountWithTheirLevelPosition) {
   EXPECT_LT(survey.world_error(), 0.2);
 }
 
-TEST(WorldTies, WithoutHeightsOnlyTheLevelPositionCounts) {
+TEST(GnssConstraints, WithoutHeightsOnlyTheLevelPositionCounts) {
   Survey survey(100, 0.02, 4, 0.0);
   survey.change([](MapFix& fix) { fix.place.altitude += fix.id % 2 == 0 ? 300.0 : -300.0; });
-  const WorldTies ties = survey.run({.height = false, .correlation = 1.0});
+  const GnssConstraints ties = survey.run({.height = false, .correlation = 1.0});
   ASSERT_TRUE(ties.report().georeference);
   EXPECT_EQ(survey.count(FixVerdict::outlier), 0U);
   EXPECT_LT(ties.report().horizontal, 0.05);
 }
 
-TEST(WorldTies, SaysWhatTheFixesDoNotTell) {
+TEST(GnssConstraints, SaysWhatTheFixesDoNotTell) {
   Survey short_way(4, 1.5, 5);
-  const WorldTies little = short_way.run();
+  const GnssConstraints little = short_way.run();
   EXPECT_FALSE(little.report().georeference);
   EXPECT_GT(short_way.count(FixVerdict::waiting), 0U);
 
   Survey swapped(150, 0.02, 6);
   swapped.change([](MapFix& fix) { std::swap(fix.place.latitude, fix.place.longitude); });
-  const WorldTies exchanged = swapped.run({.correlation = 1.0});
+  const GnssConstraints exchanged = swapped.run({.correlation = 1.0});
   EXPECT_FALSE(exchanged.report().georeference);
   EXPECT_TRUE(exchanged.report().swapped);
 
@@ -253,7 +253,7 @@ TEST(WorldTies, SaysWhatTheFixesDoNotTell) {
     fix.place = fix.id % 2 == 0 ? Geodetic{0.0, 0.0, 0.0}
                                 : Geodetic{.latitude = std::nan(""), .longitude = 3.0};
   });
-  const WorldTies none = nowhere.run();
+  const GnssConstraints none = nowhere.run();
   EXPECT_FALSE(none.report().georeference);
   EXPECT_EQ(nowhere.count(FixVerdict::impossible), 100U);
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/gnss/world_ties.hpp"
+#include "adit/slam/gnss/gnss_constraints.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -60,8 +60,8 @@ Matrix3d levelling(const PoseGraph& graph) {
              : Matrix3d::Identity();
 }
 
-void WorldTies::begin_behind(std::vector<MapFix> fixes, std::vector<MapHeading> headings,
-                             const std::optional<Georeference>& georeference) {
+void GnssConstraints::begin_behind(std::vector<MapFix> fixes, std::vector<MapHeading> headings,
+                                   const std::optional<Georeference>& georeference) {
   const bool has_headings = !headings.empty();
   headings_.begin_behind(std::move(headings));
   fixes_ = std::move(fixes);
@@ -78,13 +78,13 @@ void WorldTies::begin_behind(std::vector<MapFix> fixes, std::vector<MapHeading> 
   }
 }
 
-void WorldTies::add(std::span<const MapFix> fixes) {
+void GnssConstraints::add(std::span<const MapFix> fixes) {
   fixes_.insert(fixes_.end(), fixes.begin(), fixes.end());
   report_.fixes = fixes_.size();
   report_.verdicts[static_cast<std::size_t>(FixVerdict::waiting)] += fixes.size();
 }
 
-void WorldTies::set_verdict(std::size_t i, FixVerdict verdict) {
+void GnssConstraints::set_verdict(std::size_t i, FixVerdict verdict) {
   if (fixes_[i].verdict != verdict) {
     --report_.verdicts[static_cast<std::size_t>(fixes_[i].verdict)];
     ++report_.verdicts[static_cast<std::size_t>(verdict)];
@@ -93,19 +93,19 @@ void WorldTies::set_verdict(std::size_t i, FixVerdict verdict) {
   }
 }
 
-void WorldTies::set_chi2(std::size_t i, double chi2) {
+void GnssConstraints::set_chi2(std::size_t i, double chi2) {
   if (fixes_[i].chi2 != chi2) {
     fixes_[i].chi2 = chi2;
     changed_.insert(i);
   }
 }
 
-std::size_t WorldTies::count(FixVerdict verdict) const {
+std::size_t GnssConstraints::count(FixVerdict verdict) const {
   return report_.verdicts[static_cast<std::size_t>(verdict)];
 }
 
 // The last digits of a receiver's position change even at rest.
-bool WorldTies::is_repeated(std::size_t i) const {
+bool GnssConstraints::is_repeated(std::size_t i) const {
   for (std::size_t before = i; before-- > 0;) {
     const MapFix& earlier = fixes_[before];
     if (earlier.place.latitude != fixes_[i].place.latitude ||
@@ -119,14 +119,14 @@ bool WorldTies::is_repeated(std::size_t i) const {
   return false;
 }
 
-bool WorldTies::is_near_the_last(std::size_t i) const {
+bool GnssConstraints::is_near_the_last(std::size_t i) const {
   return last_kept_ && seconds(fixes_[i].stamp - fixes_[*last_kept_].stamp) < kLeastTime &&
          fixes_[i].path - fixes_[*last_kept_].path < kLeastWay;
 }
 
 // Its squared distance from where the map has it, in its own standard deviations and those of a map
 // that may have drifted by so many metres.
-double WorldTies::distance2(const PoseGraph& graph, const MapFix& fix, double drift) const {
+double GnssConstraints::distance2(const PoseGraph& graph, const MapFix& fix, double drift) const {
   const Vector3d apart = graph.T_world_map() * p_map(graph, fix) - frame_->position_of(fix.place);
   const double variance = drift * drift + kShapeNoise * kShapeNoise;
   if (!config_.height) {
@@ -139,7 +139,7 @@ double WorldTies::distance2(const PoseGraph& graph, const MapFix& fix, double dr
 }
 
 // Those of nodes up to `last`. What is tied to the world by nothing else cannot be judged by it.
-void WorldTies::judge_new(const PoseGraph& graph, NodeId last) {
+void GnssConstraints::judge_new(const PoseGraph& graph, NodeId last) {
   const FirstPart first(graph);
   for (; judged_ < fixes_.size() && fixes_[judged_].keyframe <= last; ++judged_) {
     const MapFix& fix = fixes_[judged_];
@@ -164,7 +164,7 @@ void WorldTies::judge_new(const PoseGraph& graph, NodeId last) {
 }
 
 // Those that the place is told by: of the first part of the map, in order. The others are apart.
-std::vector<std::size_t> WorldTies::told_by(const PoseGraph& graph) {
+std::vector<std::size_t> GnssConstraints::told_by(const PoseGraph& graph) {
   std::vector<std::size_t> part;
   const FirstPart first(graph);
   for (std::size_t i = 0; i < judged_; ++i) {
@@ -183,9 +183,9 @@ std::vector<std::size_t> WorldTies::told_by(const PoseGraph& graph) {
   return part;
 }
 
-std::vector<PositionPair> WorldTies::pairs_of(const PoseGraph& graph,
-                                              std::span<const std::size_t> part,
-                                              const WorldFrame& frame, bool swapped) const {
+std::vector<PositionPair> GnssConstraints::pairs_of(const PoseGraph& graph,
+                                                    std::span<const std::size_t> part,
+                                                    const WorldFrame& frame, bool swapped) const {
   const Matrix3d level = levelling(graph);
   std::vector<PositionPair> pairs;
   for (const std::size_t i : part) {
@@ -202,13 +202,14 @@ std::vector<PositionPair> WorldTies::pairs_of(const PoseGraph& graph,
   return pairs;
 }
 
-std::optional<WorldFit> WorldTies::fit(const PoseGraph& graph, std::span<const std::size_t> part,
-                                       const WorldFrame& frame, bool swapped) const {
+std::optional<WorldFit> GnssConstraints::fit(const PoseGraph& graph,
+                                             std::span<const std::size_t> part,
+                                             const WorldFrame& frame, bool swapped) const {
   return fit_world(pairs_of(graph, part, frame, swapped), config_.correlation);
 }
 
 /// About one of the middle: the first may lie anywhere.
-WorldFrame WorldTies::middle_frame(std::vector<std::size_t> part) const {
+WorldFrame GnssConstraints::middle_frame(std::vector<std::size_t> part) const {
   const auto middle = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
   std::ranges::nth_element(part, middle, {},
                            [&](std::size_t i) { return std::pair(fixes_[i].place.latitude, i); });
@@ -216,7 +217,7 @@ WorldFrame WorldTies::middle_frame(std::vector<std::size_t> part) const {
 }
 
 // From all fixes so far; false: they do not tell it yet, or no better than it is known.
-bool WorldTies::find_place(PoseGraph& graph, const PlaceNeeds& needs) {
+bool GnssConstraints::find_place(PoseGraph& graph, const PlaceNeeds& needs) {
   const std::vector<std::size_t> part = told_by(graph);
   tried_ = judged_;
   if (part.size() < kFewestFixes) {
@@ -264,12 +265,12 @@ bool WorldTies::find_place(PoseGraph& graph, const PlaceNeeds& needs) {
 }
 
 // Of a short way a wrong place may fit, too.
-bool WorldTies::is_contradicted() const {
+bool GnssConstraints::is_contradicted() const {
   const std::size_t outliers = count(FixVerdict::outlier);
   return frame_ && outliers > count(FixVerdict::used) && outliers >= kManyOutliers;
 }
 
-void WorldTies::forget_place(PoseGraph& graph) {
+void GnssConstraints::forget_place(PoseGraph& graph) {
   frame_.reset();
   placed_by_headings_ = false;
   headings_.forget_place();
@@ -284,7 +285,7 @@ void WorldTies::forget_place(PoseGraph& graph) {
   }
 }
 
-void WorldTies::tie(PoseGraph& graph) {
+void GnssConstraints::tie(PoseGraph& graph) {
   graph.clear_fixes();
   const FirstPart first(graph);
   std::vector<std::size_t> used;
@@ -314,11 +315,11 @@ void WorldTies::tie(PoseGraph& graph) {
   }
 }
 
-void WorldTies::optimize(PoseGraph& graph) {
+void GnssConstraints::optimize(PoseGraph& graph) {
   tie(graph);
   const LoopOptimum optimum = optimize_with_loops(graph);
   ++report_.optimizations;
-  odometry_scales_ = {.all = optimum.odometry_scale, .level_drift = optimum.level_drift_scale};
+  odometry_scales_ = {.all = optimum.odometry_scale, .horizontal_drift = optimum.level_drift_scale};
   report_.level_drift_scale = optimum.level_drift_scale;
   if (optimum.report.termination != Termination::failed) {
     graph.set_poses(optimum.poses);
@@ -332,7 +333,7 @@ void WorldTies::optimize(PoseGraph& graph) {
 }
 
 // After an optimisation, when the map is where the fixes want it. True where a verdict is another.
-bool WorldTies::judge_again(const PoseGraph& graph, double gate_of_used) {
+bool GnssConstraints::judge_again(const PoseGraph& graph, double gate_of_used) {
   bool changed = false;
   for (const std::size_t i : told_by(graph)) {
     const FixVerdict before = fixes_[i].verdict;
@@ -346,7 +347,7 @@ bool WorldTies::judge_again(const PoseGraph& graph, double gate_of_used) {
 }
 
 // Until no verdict changes.
-void WorldTies::settle(PoseGraph& graph) {
+void GnssConstraints::settle(PoseGraph& graph) {
   for (int round = 0; round < kMostRounds; ++round) {
     optimize(graph);
     if (!judge_again(graph, kFixGate)) {
@@ -356,7 +357,7 @@ void WorldTies::settle(PoseGraph& graph) {
 }
 
 /// What is left of the used fixes, and how far all lie apart.
-void WorldTies::measure(const PoseGraph& graph) {
+void GnssConstraints::measure(const PoseGraph& graph) {
   Vector3d squared = Vector3d::Zero();
   std::size_t heights = 0;
   double chi2 = 0.0;
@@ -382,7 +383,7 @@ void WorldTies::measure(const PoseGraph& graph) {
 }
 
 // Not where exchanging them makes no place on the Earth.
-bool WorldTies::would_agree_exchanged(const PoseGraph& graph) {
+bool GnssConstraints::would_agree_exchanged(const PoseGraph& graph) {
   const std::vector<std::size_t> part = told_by(graph);
   const bool possible = std::ranges::all_of(
       part, [&](std::size_t i) { return std::abs(fixes_[i].place.longitude) < kMostLatitude; });
@@ -398,7 +399,7 @@ bool WorldTies::would_agree_exchanged(const PoseGraph& graph) {
 }
 
 // Where many fixes do not agree with the others.
-void WorldTies::look_for_jump(const PoseGraph& graph) {
+void GnssConstraints::look_for_jump(const PoseGraph& graph) {
   const std::vector<std::size_t> part = told_by(graph);
   if (part.size() < kFewestFixes ||
       (frame_ && kManyUsed * count(FixVerdict::outlier) < count(FixVerdict::used))) {
@@ -411,7 +412,8 @@ void WorldTies::look_for_jump(const PoseGraph& graph) {
   report_.jump = found ? find_jump(pairs, *found) : std::nullopt;
 }
 
-WorldTies::Change WorldTies::take_change(const PoseGraph& graph, bool moved, bool had_place) {
+GnssConstraints::Change GnssConstraints::take_change(const PoseGraph& graph, bool moved,
+                                                     bool had_place) {
   Change change{.fixes = {}, .moved = moved};
   for (const std::size_t i : std::exchange(changed_, {})) {
     change.fixes.push_back(fixes_[i]);
@@ -425,7 +427,8 @@ WorldTies::Change WorldTies::take_change(const PoseGraph& graph, bool moved, boo
   return change;
 }
 
-WorldTies::Change WorldTies::take_effect(PoseGraph& graph, NodeId keyframe, bool may_optimize) {
+GnssConstraints::Change GnssConstraints::take_effect(PoseGraph& graph, NodeId keyframe,
+                                                     bool may_optimize) {
   if (!may_optimize || !has_news(keyframe)) {
     return {};
   }
@@ -447,7 +450,7 @@ WorldTies::Change WorldTies::take_effect(PoseGraph& graph, NodeId keyframe, bool
   return take_change(graph, wanted, had_place);
 }
 
-WorldTies::Change WorldTies::finish(PoseGraph& graph, bool may_optimize) {
+GnssConstraints::Change GnssConstraints::finish(PoseGraph& graph, bool may_optimize) {
   if (fixes_.empty()) {
     report_.heading = headings_.report();
     return {};

@@ -13,7 +13,7 @@
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/core/units.hpp"
 #include "adit/slam/gnss/antenna_calibration.hpp"
-#include "adit/slam/gnss/heading_ties.hpp"
+#include "adit/slam/gnss/heading_constraints.hpp"
 #include "adit/slam/gnss/map_fix.hpp"
 #include "adit/slam/gnss/odometry_track.hpp"
 #include "adit/slam/gnss/receiver_jump.hpp"
@@ -81,9 +81,9 @@ struct GnssReport {
 /// (docs/theory/gnss.md). The map's first node stays where it is: what moves is T_world_map, and
 /// the map in itself by as much as the fixes correct of its drift. Headings, which a map may have
 /// besides, count where fixes and odometry do not contradict them.
-class WorldTies {
+class GnssConstraints {
  public:
-  explicit WorldTies(const GnssConfig& config) : config_(config), headings_(config) {}
+  explicit GnssConstraints(const GnssConfig& config) : config_(config), headings_(config) {}
 
   /// The graph begins with nodes of earlier sessions, whose fixes these are in the order of their
   /// ids, with the headings that are used, and perhaps with a place in the world. Only before all
@@ -157,7 +157,7 @@ class WorldTies {
   /// What the odometry's covariances count times, as in LoopOptimum.
   struct OdometryScales {
     double all = 1.0;
-    double level_drift = 1.0;
+    double horizontal_drift = 1.0;
   };
   double cost(const PoseGraph& graph, const OdometryScales& scales);
   bool most_agree() const;
@@ -172,7 +172,7 @@ class WorldTies {
   std::size_t tried_ = 0;                 ///< how many there were when the place was looked for
   std::optional<std::size_t> last_kept_;  ///< the latest fix that is neither thinned nor frozen
   std::optional<WorldFrame> frame_;
-  HeadingTies headings_;
+  HeadingConstraints headings_;
   std::size_t assessed_ = 0;           ///< how many fixes there were when the headings were judged
   std::size_t assessed_headings_ = 0;  ///< and how many of these
   bool placed_by_headings_ = false;    ///< frame_ is; fixes alone do not give the place yet

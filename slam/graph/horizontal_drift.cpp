@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/graph/level_drift.hpp"
+#include "adit/slam/graph/horizontal_drift.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -96,7 +96,7 @@ PoseGraph without_loops(PoseGraph graph) {
 /// Both are Gaussian, so that the probability of the former is that of all of them over that of the
 /// latter alone, each integrated over the poses.
 std::optional<double> unlikeliness(const PoseGraph& weighted, double scale) {
-  const PoseGraph scaled = with_level_drift(weighted, scale);
+  const PoseGraph scaled = with_horizontal_drift(weighted, scale);
   const PoseGraph chain = without_loops(scaled);
   GraphInformation all(scaled);
   all.add_edges();
@@ -116,7 +116,7 @@ std::optional<double> unlikeliness(const PoseGraph& weighted, double scale) {
 
 }  // namespace
 
-PoseGraph with_level_drift(const PoseGraph& graph, double scale) {
+PoseGraph with_horizontal_drift(const PoseGraph& graph, double scale) {
   std::vector<LevelKnowledge> known;
   for (const PoseEdge& edge : graph.edges()) {
     if (edge.kind == EdgeKind::odometry && edge.status == EdgeStatus::active) {
@@ -145,7 +145,7 @@ PoseGraph with_level_drift(const PoseGraph& graph, double scale) {
   });
 }
 
-LevelDrift level_drift(const PoseGraph& graph) {
+HorizontalDrift horizontal_drift(const PoseGraph& graph) {
   std::set<NodeId> placed;
   std::ranges::transform(graph.fixes(), std::inserter(placed, placed.end()), &PositionFix::node);
   if (placed.size() < kFewestPlaced || graph.levels().empty()) {

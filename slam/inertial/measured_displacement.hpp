@@ -22,7 +22,7 @@ inline constexpr std::size_t kVelocitySources = 2;
 
 /// The way of a sensor of velocities between two times, in body axes at the first: the integral of
 /// what it read, turned as the gyroscope says (docs/theory/velocity.md).
-struct MeasuredWay {
+struct MeasuredDisplacement {
   Eigen::Vector3d way = Eigen::Vector3d::Zero();  ///< m, as it was read
   /// Its derivative by VelocityCalibration::turn, m/rad.
   Eigen::Matrix<double, 3, 2> by_turn = Eigen::Matrix<double, 3, 2>::Zero();
@@ -60,9 +60,10 @@ class VelocityBuffer {
 /// of a velocity without a covariance. The errors of a velocity are taken to stay the same between
 /// the two times, so that more of them are not better known. Nothing where the velocities do not
 /// cover that time.
-std::optional<MeasuredWay> measured_way(const VelocityBuffer& velocities,
-                                        std::span<const ImuSample> readings,
-                                        const Eigen::Vector3d& gyro_bias,
-                                        const Eigen::Isometry3d& T_body_sensor, double sigma);
+std::optional<MeasuredDisplacement> measured_displacement(const VelocityBuffer& velocities,
+                                                          std::span<const ImuSample> readings,
+                                                          const Eigen::Vector3d& gyro_bias,
+                                                          const Eigen::Isometry3d& T_body_sensor,
+                                                          double sigma);
 
 }  // namespace adit

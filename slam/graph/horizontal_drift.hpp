@@ -12,7 +12,7 @@ namespace adit {
 /// world's horizontal plane and about its vertical. Those of height and tilt are as they were, and
 /// so are edges that the odometry itself has at more than three times the usual standard deviation:
 /// bridged, or along a tunnel.
-PoseGraph with_level_drift(const PoseGraph& graph, double scale);
+PoseGraph with_horizontal_drift(const PoseGraph& graph, double scale);
 
 /// Scales that the graph's fixes and loops allow: how probable these are, given the odometry, whose
 /// covariances count so many times in the level, and the verticals (a variance component by
@@ -20,12 +20,12 @@ PoseGraph with_level_drift(const PoseGraph& graph, double scale);
 /// scales are half decades from 0.01 to 100. Both are 1 where fixes are of fewer than three
 /// nodes or tell nothing of it, where nothing levels the map, so that a tilt could take what is in
 /// the level, and where the equations cannot be solved.
-struct LevelDrift {
+struct HorizontalDrift {
   /// Within one standard deviation of the likeliest: what the map is bent by. Poor fixes tell
   /// little of the scale, and would bend a map that is better than they are.
   double smallest = 1.0;
   double largest = 1.0;  ///< that is not ruled out at 95 %: what covariances are to go by
 };
-LevelDrift level_drift(const PoseGraph& graph);
+HorizontalDrift horizontal_drift(const PoseGraph& graph);
 
 }  // namespace adit

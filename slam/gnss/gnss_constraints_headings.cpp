@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// WorldTies, where there are headings: the map's place by them, and they against the fixes.
+// GnssConstraints, where there are headings: the map's place by them, and they against the fixes.
 #include <algorithm>
 #include <utility>
 
 #include "adit/slam/core/median.hpp"
+#include "adit/slam/gnss/gnss_constraints.hpp"
 #include "adit/slam/gnss/gnss_noise.hpp"
 #include "adit/slam/gnss/heading_consensus.hpp"
-#include "adit/slam/gnss/world_ties.hpp"
 
 namespace adit {
 namespace {
@@ -31,14 +31,14 @@ Vector3d middle_of(const std::vector<Vector3d>& places) {
 }  // namespace
 
 // Fixes and, where the map's place is not known, headings that are not judged yet.
-bool WorldTies::has_news(NodeId keyframe) const {
+bool GnssConstraints::has_news(NodeId keyframe) const {
   const bool fixes = judged_ < fixes_.size() && fixes_[judged_].keyframe <= keyframe;
   return fixes || (!frame_ && judged_ > 0 && headings_.has_new(keyframe));
 }
 
 // By the place that fixes alone give. Where that contradicts the headings, a place that came by
 // these is given up.
-void WorldTies::assess_headings(PoseGraph& graph) {
+void GnssConstraints::assess_headings(PoseGraph& graph) {
   if (!headings_.any()) {
     return;
   }
@@ -66,7 +66,7 @@ void WorldTies::assess_headings(PoseGraph& graph) {
 }
 
 // With the yaw that headings give, any fix gives the rest: the most are taken that agree on it.
-bool WorldTies::place_by_headings(PoseGraph& graph) {
+bool GnssConstraints::place_by_headings(PoseGraph& graph) {
   const std::vector<std::size_t> part = told_by(graph);
   const std::optional<MapYaw>& yaw = headings_.yaw();
   if (!yaw || part.empty()) {
@@ -122,7 +122,7 @@ bool WorldTies::place_by_headings(PoseGraph& graph) {
 
 // The place whenever a tenth more fixes are there, or a tenth more headings, with which a single
 // fix may do.
-bool WorldTies::look_for_place(PoseGraph& graph) {
+bool GnssConstraints::look_for_place(PoseGraph& graph) {
   const bool more_fixes = judged_ > tried_ + tried_ / 10;
   const auto grown = [](std::size_t now, std::size_t then) { return now > then + then / 10; };
   const bool assess =

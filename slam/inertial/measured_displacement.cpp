@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/inertial/measured_way.hpp"
+#include "adit/slam/inertial/measured_displacement.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -90,11 +90,12 @@ std::optional<BodyVelocity> VelocityBuffer::at(Nanoseconds stamp) const {
   return between;
 }
 
-std::optional<MeasuredWay> measured_way(const VelocityBuffer& velocities,
-                                        std::span<const ImuSample> readings,
-                                        const Eigen::Vector3d& gyro_bias,
-                                        const Eigen::Isometry3d& T_body_sensor, double sigma) {
-  MeasuredWay result{.p_body_sensor = T_body_sensor.translation()};
+std::optional<MeasuredDisplacement> measured_displacement(const VelocityBuffer& velocities,
+                                                          std::span<const ImuSample> readings,
+                                                          const Eigen::Vector3d& gyro_bias,
+                                                          const Eigen::Isometry3d& T_body_sensor,
+                                                          double sigma) {
+  MeasuredDisplacement result{.p_body_sensor = T_body_sensor.translation()};
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  // R_begin_body, as it goes on
   Eigen::Matrix3d variances = Eigen::Matrix3d::Zero();
   for (std::size_t i = 1; i < readings.size(); ++i) {

@@ -25,7 +25,7 @@ std::string number_complaint(const std::string& word, const std::string& wanted,
 std::string wanted_values(int least, int most, const std::string& names);
 
 /// What CLI11 says of a command line, in plain words.
-std::string plain_complaint(const std::string& text);
+std::string readable_error(const std::string& text);
 
 /// Of an option that is written before the command that it is meant for.
 std::string place_of_option(const std::string& command);
