@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: 2026 The adit authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Makes dist/adit-VERSION-cpXY-cpXY-manylinux_*.whl and tests it in a clean environment. Called by `./dev wheel`.
+# Makes dist/adit_slam-VERSION-cpXY-cpXY-manylinux_*.whl and tests it in a clean environment. Called by `./dev wheel`.
 # PYTHON names the interpreter that it is for (python3). Needs the Python package index, for the tools that make wheels.
 #
 # All libraries lie in the wheel under names of their own (auditwheel), so that none is taken for another program's,
@@ -37,11 +37,11 @@ options=("pybind11_DIR=$("$tools/bin/python" -m pybind11 --cmakedir)"
   'CMAKE_EXE_LINKER_FLAGS=-static-libstdc++ -static-libgcc -s -Wl,--disable-new-dtags,-rpath,\$ORIGIN/../lib')
 PATH=$tools/bin:$PATH "$tools/bin/pip" wheel -v "$root/tools/python" --no-deps --no-build-isolation -w "$work/raw" \
   --config-settings=build-dir="$build" "${options[@]/#/--config-settings=cmake.define.}" >&2
-raw=("$work"/raw/adit-*.whl)
+raw=("$work"/raw/adit_slam-*.whl)
 
 # The loader, the licences of everything in the wheel, and what they are.
 "$tools/bin/wheel" unpack -d "$work/content" "${raw[0]}" >/dev/null
-content=$(echo "$work"/content/adit-*)
+content=$(echo "$work"/content/adit_slam-*)
 package=$content/adit
 licenses=$package/licenses
 mkdir -p "$package/lib" "$licenses"
@@ -76,9 +76,9 @@ rm "${raw[0]}"
 "$tools/bin/wheel" pack -d "$work/raw" "$content" >/dev/null
 
 PATH=$tools/bin:$PATH "$tools/bin/auditwheel" repair --plat "manylinux_${max_glibc/./_}_$(uname -m)" -w "$work/whole" \
-  "$work"/raw/adit-*.whl >&2
-wheel=$(echo "$work"/whole/adit-*.whl)
-rm -f "$root"/dist/adit-*-"$name"-*.whl
+  "$work"/raw/adit_slam-*.whl >&2
+wheel=$(echo "$work"/whole/adit_slam-*.whl)
+rm -f "$root"/dist/adit_slam-*-"$name"-*.whl
 cp "$wheel" "$root/dist/"
 
 # As a user has it: nothing but the wheel and what its tests need.
