@@ -12,7 +12,6 @@ licences of the parts lie in the tarball as Debian has written them, which is no
 import datetime
 import hashlib
 import json
-import os
 import pathlib
 import re
 import sys
@@ -59,11 +58,11 @@ def document(tarball):
         if len(names) != 1:
             fail(f"{tarball} has no COMPONENTS.txt: what `./dev package` made is expected")
         text = archive.extractfile(names[0]).read().decode()
+        stamp = archive.getmember(names[0]).mtime
     version = tarball.name.split("-")[1]
     parts = components(text, "debian-12")
     if not parts:
         fail(f"{names[0]} of {tarball} names no part")
-    stamp = int(os.environ.get("SOURCE_DATE_EPOCH", tarball.stat().st_mtime))
     created = datetime.datetime.fromtimestamp(stamp, datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
     program = {
         "SPDXID": "SPDXRef-adit", "name": "adit", "versionInfo": version, "packageFileName": tarball.name,
