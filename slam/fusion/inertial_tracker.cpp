@@ -410,7 +410,9 @@ bool InertialTracker::lose_by_axis() {
 }
 
 void InertialTracker::leave(State next, const InertialCause& why) {
-  event_ = InertialEvent{.cause = why, .passing = passing_cause()};
+  InertialEvent& event = event_.emplace();
+  event.cause = why;
+  event.passing = passing_cause();
   state_ = std::move(next);
   hindrance_.reset();
 }

@@ -59,12 +59,12 @@ std::optional<SamePlace> same_place(const PoseGraph& graph, std::size_t earlier,
 
 std::optional<DriftDifference> drift_difference(RelativePoses& relative,
                                                 const ImpliedDrift& claim) {
-  const std::optional<UncertainPose> known = relative.between(claim.to, claim.from);
+  const std::optional<RelativePose> known = relative.between(claim.to, claim.from);
   if (!known) {
     return std::nullopt;
   }
-  const UncertainPose error =
-      *known * UncertainPose{.pose = claim.T_from_to, .covariance = claim.covariance};
+  const RelativePose error =
+      *known * RelativePose{.pose = claim.T_from_to, .covariance = claim.covariance};
   return DriftDifference{.difference = se3_log(error.pose),
                          .covariance = error.covariance,
                          .response = error.response,
@@ -102,7 +102,7 @@ bool drift_explains(const PoseGraph& graph, RelativePoses& measured, const Impli
     pair.from = graph.nodes()[same->node].id;
     pair.to = graph.nodes()[later - 1].id;
     pair.T_from_to = same->T_node_later;
-    const std::optional<UncertainPose> way = measured.between(pair.to, pair.from);
+    const std::optional<RelativePose> way = measured.between(pair.to, pair.from);
     if (way && way->path <= kSamePlace) {
       return true;  // loops that were accepted tie them from here on backwards
     }

@@ -12,19 +12,19 @@
 namespace adit {
 
 /// A pose with the covariance of its right perturbation, and its response to drift.
-struct UncertainPose {
+struct RelativePose {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Zero();
   DriftResponse response = DriftResponse::Zero();
   double path = 0.0;  ///< m, along edges
 };
 
-inline UncertainPose operator*(const UncertainPose& a, const UncertainPose& b) {
+inline RelativePose operator*(const RelativePose& a, const RelativePose& b) {
   return {a.pose * b.pose, compounded(a.covariance, b.pose, b.covariance),
           compounded(a.response, b.pose, b.response), a.path + b.path};
 }
 
-inline UncertainPose inverse(const UncertainPose& a) {
+inline RelativePose inverse(const RelativePose& a) {
   return {a.pose.inverse(), inverted(a.pose, a.covariance), -adjoint(a.pose) * a.response, a.path};
 }
 
@@ -39,7 +39,7 @@ class RelativePoses {
                 double lumps = 1.0)
       : graph_(graph), covariances_(covariances), poses_(poses), lumps_(lumps) {}
 
-  std::optional<UncertainPose> between(NodeId from, NodeId to) {
+  std::optional<RelativePose> between(NodeId from, NodeId to) {
     auto paths = paths_.find(from);
     if (paths == paths_.end()) {
       paths = paths_.emplace(from, LeastUncertainPaths(covariances_, from, lumps_)).first;
@@ -52,7 +52,7 @@ class RelativePoses {
         poses_ == Poses::measured ? place->T_start_node
                                   : graph_.nodes()[graph_.index_of(from)].T_map_node.inverse() *
                                         graph_.nodes()[graph_.index_of(to)].T_map_node;
-    return UncertainPose{pose, place->covariance, place->response, place->path};
+    return RelativePose{pose, place->covariance, place->response, place->path};
   }
 
  private:

@@ -23,11 +23,11 @@ PoseGraph without_loops(PoseGraph graph) {
 }
 
 std::optional<LoopMove> move_of(RelativePoses& relative, const PoseEdge& loop) {
-  const std::optional<UncertainPose> known = relative.between(loop.to, loop.from);
+  const std::optional<RelativePose> known = relative.between(loop.to, loop.from);
   if (!known) {
     return std::nullopt;
   }
-  const UncertainPose error = *known * UncertainPose{loop.T_from_to, covariance_of(loop)};
+  const RelativePose error = *known * RelativePose{loop.T_from_to, covariance_of(loop)};
   const Vector6d off = se3_log(error.pose);
   return LoopMove{.metres = error.pose.translation().norm(),
                   .radians = rotation_angle(error.pose.linear()),

@@ -19,17 +19,17 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-UncertainPose measured(const LoopHypothesis& loop) {
+RelativePose measured(const LoopHypothesis& loop) {
   return {loop.T_from_to, loop.covariance};
 }
 
-double chi2(const UncertainPose& error) {
+double chi2(const RelativePose& error) {
   const Vector6d off = se3_log(error.pose);
   return off.dot(error.covariance.ldlt().solve(off));
 }
 
 /// With what an odometry drifts by on that path besides.
-UncertainPose drifting(UncertainPose error, const OdometryDrift& drift) {
+RelativePose drifting(RelativePose error, const OdometryDrift& drift) {
   error.covariance += error.response * drift.covariance() * error.response.transpose();
   return error;
 }
@@ -43,15 +43,15 @@ ImpliedDrift claim_of(const LoopHypothesis& loop) {
 }
 
 double odometry_disagreement(RelativePoses& relative, const LoopHypothesis& loop) {
-  const std::optional<UncertainPose> known = relative.between(loop.to, loop.from);
+  const std::optional<RelativePose> known = relative.between(loop.to, loop.from);
   return known ? chi2(*known * measured(loop)) : kNever;
 }
 
 /// The cycle over both; nothing where the graph does not tie them.
-std::optional<UncertainPose> cycle(RelativePoses& relative, const LoopHypothesis& a,
-                                   const LoopHypothesis& b) {
-  const std::optional<UncertainPose> later = relative.between(a.to, b.to);
-  const std::optional<UncertainPose> earlier = relative.between(b.from, a.from);
+std::optional<RelativePose> cycle(RelativePoses& relative, const LoopHypothesis& a,
+                                  const LoopHypothesis& b) {
+  const std::optional<RelativePose> later = relative.between(a.to, b.to);
+  const std::optional<RelativePose> earlier = relative.between(b.from, a.from);
   return later && earlier ? std::optional(measured(a) * *later * inverse(measured(b)) * *earlier)
                           : std::nullopt;
 }
@@ -61,7 +61,7 @@ std::optional<UncertainPose> cycle(RelativePoses& relative, const LoopHypothesis
 bool is_another_floor(RelativePoses& measured_poses, const PoseGraph& graph,
                       const LoopHypothesis& loop, const OdometryDrift& drift,
                       const LoopVotingSettings& settings) {
-  const std::optional<UncertainPose> known = measured_poses.between(loop.to, loop.from);
+  const std::optional<RelativePose> known = measured_poses.between(loop.to, loop.from);
   if (!known || !loop.levelled) {
     return false;
   }
@@ -82,7 +82,7 @@ bool is_another_floor(RelativePoses& measured_poses, const PoseGraph& graph,
 }
 
 double disagreement(RelativePoses& relative, const LoopHypothesis& a, const LoopHypothesis& b) {
-  const std::optional<UncertainPose> error = cycle(relative, a, b);
+  const std::optional<RelativePose> error = cycle(relative, a, b);
   return error ? chi2(*error) : kNever;
 }
 
@@ -113,7 +113,7 @@ double gap_disagreement(RelativePoses& relative, const PoseGraph& graph, const P
     if (!before || !after) {
       continue;
     }
-    const UncertainPose crossed =
+    const RelativePose crossed =
         *before * (forward ? measured(loop) : inverse(measured(loop))) * *after;
     const Eigen::Vector3d gone = crossed.pose.translation();
     const double aside = gone.head<2>().norm();
@@ -188,12 +188,12 @@ std::optional<double> contradicted(RelativePoses& far_poses, RelativePoses& meas
   std::size_t contradicting = 0;
   double worst = 0.0;
   for (const LoopHypothesis& other : asked) {
-    const std::optional<UncertainPose> error = cycle(far_poses, loop, other);
+    const std::optional<RelativePose> error = cycle(far_poses, loop, other);
     if (!error) {
       continue;  // loops of other parts of the map say nothing
     }
     ++speaking;
-    const auto contradicts = [&](const UncertainPose& one) {
+    const auto contradicts = [&](const RelativePose& one) {
       return unexpected ? before.drift.excess({.difference = se3_log(one.pose),
                                                .covariance = one.covariance,
                                                .response = one.response,
@@ -219,7 +219,7 @@ struct Poll {
 /// How the two keyframes are turned to each other, whatever else the graph knows of them.
 bool knows_heading(RelativePoses& relative, const LoopHypothesis& loop,
                    const LoopVotingSettings& settings) {
-  const std::optional<UncertainPose> known = relative.between(loop.from, loop.to);
+  const std::optional<RelativePose> known = relative.between(loop.from, loop.to);
   return known && std::sqrt(known->covariance(5, 5)) <= settings.heading_sigma;
 }
 

@@ -19,7 +19,7 @@ namespace {
 // A tile has as many cells as a block of a GeoTIFF, but is no wider than what one sweep's views
 // are chosen for.
 constexpr int64_t kMostAcross = 256;
-constexpr double kWidest = 25.6;  // m
+constexpr double kWidestTile = 25.6;  // m
 // Steeper planes are walls: from above they are lines.
 constexpr double kSteepest = 0.17;  // cosine of 80 degrees
 
@@ -205,8 +205,8 @@ void add_submap(const MapKeyframe& keyframe, const KeyframeSubmap& submap,
 void visit_surface_from_above(const MapDatabase& map, const ProductCoordinates& coordinates,
                               const CloudSelection& selection, double cell, uint64_t submap_bytes,
                               const TakeSurface& take) {
-  const TileGrid grid{.cell = cell,
-                      .across = std::clamp<int64_t>(std::lround(kWidest / cell), 1, kMostAcross)};
+  const TileGrid grid{
+      .cell = cell, .across = std::clamp<int64_t>(std::lround(kWidestTile / cell), 1, kMostAcross)};
   const auto by_tile = keyframes_by_tile(map, coordinates, selection, grid);
   std::vector<TileNumber> tiles;
   for (const auto& [tile, keyframes] : by_tile) {
