@@ -56,6 +56,8 @@ std::string class_names() {
   }
   name(LasClass::unclassified, "unclassified");
   name(LasClass::moving, "moving");
+  name(LasClass::mixed, "mixed");
+  name(LasClass::carrier, "carrier");
   return bytes;
 }
 

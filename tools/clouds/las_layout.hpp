@@ -26,6 +26,8 @@ enum class LasClass : uint8_t {
   low_noise = 7,    ///< below the ground
   high_noise = 18,  ///< anywhere else
   moving = 64,      ///< other sweeps saw through it
+  mixed = 65,       ///< a beam on an edge measured between two surfaces
+  carrier = 66,     ///< a part of what carries the sensor
 };
 
 struct LasPoint {

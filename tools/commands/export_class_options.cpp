@@ -23,7 +23,8 @@ void add_class_options(const Command& command, ExportCommandOptions& options) {
   command
       .option("--clean", options.clean,
               "Finds noise, points that nothing is beside, and what has moved, as --find-moving: "
-              "mark (classes 7 below the ground, 18 elsewhere, 64 moving) or drop")
+              "mark (classes 7 below the ground, 18 elsewhere, 64 moving; of --dense also 65 mixed "
+              "pixels and 66 the sensor's carrier) or drop")
       .one_of({"mark", "drop"})
       .value_name("HOW");
 }

@@ -47,6 +47,7 @@ CloudClasses find_classes(const ExportJob& job, const ProductCoordinates& coordi
 
 CloudSelection with_classes(CloudSelection selection, const CloudClasses& classes) {
   selection.drops_noise = classes.drop;
+  selection.looks_at_sweeps = classes.looks_at_sweeps;
   if (classes.any()) {
     selection.class_at = [classes](const Eigen::Vector3d& in_map,
                                    const Eigen::Vector3d& in_product) {
@@ -86,9 +87,13 @@ std::string ClassFilter::text() const {
     text += fmt::format("; {} ground", count(LasClass::ground));
   }
   if (classes_->noise) {
-    text += fmt::format("; {} noise and {} moving {}",
-                        count(LasClass::low_noise) + count(LasClass::high_noise),
-                        count(LasClass::moving), classes_->drop ? "left out" : "marked");
+    text += fmt::format("; {} noise", count(LasClass::low_noise) + count(LasClass::high_noise));
+    if (classes_->looks_at_sweeps) {
+      text +=
+          fmt::format(", {} mixed, {} carrier", count(LasClass::mixed), count(LasClass::carrier));
+    }
+    text += fmt::format(" and {} moving {}", count(LasClass::moving),
+                        classes_->drop ? "left out" : "marked");
   }
   return text;
 }

@@ -23,6 +23,7 @@ struct CloudClasses {
   std::shared_ptr<const NoiseSpace> noise{};     ///< the same
   bool ground_is_class = false;                  ///< of --classify
   bool drop = false;                             ///< noise and what moves is left out
+  bool looks_at_sweeps = false;  ///< mixed pixels and the carrier are looked for: of dense clouds
 
   bool any() const { return ground || noise; }
 };
@@ -42,8 +43,8 @@ class ClassFilter {
   /// Those that go into the file; valid until the next call.
   std::span<const CloudPoint> pass(std::span<const CloudPoint> points);
 
-  /// "; 1234 ground, 12 noise and 34 moving left out" for people; nothing where no class was looked
-  /// for.
+  /// "; 1234 ground; 12 noise and 34 moving left out" for people; nothing where no
+  /// class was looked for.
   std::string text() const;
 
  private:

@@ -12,11 +12,14 @@
 
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/clouds/las_writer.hpp"
+#include "adit/tools/clouds/returns.hpp"
 #include "adit/tools/coloring/map_coloring.hpp"
 #include "adit/tools/export/cloud_classes.hpp"
 #include "adit/tools/export/dense_recording.hpp"
+#include "adit/tools/map_products/carrier_space.hpp"
 #include "adit/tools/map_products/cloud_product.hpp"
 #include "adit/tools/map_products/dense_cloud.hpp"
+#include "adit/tools/map_products/mixed_pixels.hpp"
 #include "adit/tools/map_products/tile_folder.hpp"
 #include "adit/tools/map_products/tiled_cloud.hpp"
 #include "adit/tools/map_products/trajectory_products.hpp"
@@ -108,6 +111,61 @@ std::string text_of(const ColoringCounts& counts, std::size_t cameras) {
   return text;
 }
 
+/// The returns of a sweep in the sensor's frame, m.
+std::vector<Eigen::Vector3d> returns_of(const Sweep& sweep) {
+  std::vector<Eigen::Vector3d> returns;
+  for (const Point& point : sweep.points) {
+    if (is_return(point)) {
+      returns.emplace_back(point.x, point.y, point.z);
+    }
+  }
+  return returns;
+}
+
+/// Looks through all sweeps for parts of what carries the sensor.
+CarrierSpace find_carrier(const ExportJob& job, const DenseRecording& recording,
+                          const CloudSelection& selection) {
+  Progress progress(*job.err, progress_style_of_stderr(), "carrier", recording.sweeps());
+  CarrierSearch search;
+  std::size_t done = 0;
+  recording.visit([&](const Sweep& sweep, const SensorPath::Stretch& path, const MapSweep& in_map) {
+    search.add_keyframe(in_map.keyframe);
+    const std::vector<Eigen::Vector3d> returns = returns_of(sweep);
+    const std::vector<CloudPoint> placed = placed_points(sweep, path);
+    for (std::size_t i = 0; i < returns.size(); ++i) {
+      search.add(returns[i], has_moved(selection, placed[i].position), in_map.keyframe);
+    }
+    progress.update(++done, 0);
+    require_within(job);
+  });
+  progress.finish();
+  return search.found();
+}
+
+/// What a single sweep shows of its returns, in their order.
+struct SweepClasses {
+  std::vector<Eigen::Vector3d> returns{};  ///< sensor frame, m
+  std::vector<bool> mixed{};
+
+  SweepClasses() = default;
+  explicit SweepClasses(const Sweep& sweep)
+      : returns(returns_of(sweep)), mixed(mixed_pixels(sweep)) {}
+};
+
+/// The carrier is nothing else; a mixed pixel is one where nothing else is known of it.
+void classify(const SweepClasses& sweep, const CarrierSpace& carrier, std::size_t i,
+              CloudPoint& point) {
+  if (i >= sweep.returns.size()) {
+    return;
+  }
+  if (carrier.contains(sweep.returns[i])) {
+    point.classification = LasClass::carrier;
+    point.moving = false;
+  } else if (sweep.mixed[i] && class_of(point) == LasClass::unclassified) {
+    point.classification = LasClass::mixed;
+  }
+}
+
 }  // namespace
 
 std::string export_cloud(const ExportJob& job) {
@@ -157,34 +215,40 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
     painter.emplace(job, recording);
     prepare(*painter, job);
   }
+  const CarrierSpace carrier =
+      selection.looks_at_sweeps ? find_carrier(job, recording, selection) : CarrierSpace{};
   Progress progress(*job.err, progress_style_of_stderr(), "export", recording.sweeps());
   std::size_t placed = 0;
-  std::string text = recording.visit(
-      [&](const Sweep& sweep, const SensorPath::Stretch& path, const MapSweep& in_map) {
-        std::vector<CloudPoint> points;
-        std::vector<Eigen::Vector3d> places;
-        for (CloudPoint& point : placed_points(sweep, path)) {
-          const Eigen::Vector3d p_map = point.position;
-          if (selection.is_gone && selection.is_gone(p_map, in_map.session)) {
-            continue;
-          }
-          point.moving = has_moved(selection, p_map);
-          point.position = coordinates.from_map(p_map);
-          classify(selection, p_map, point);
-          point.keyframe = in_map.keyframe;
-          point.session = in_map.session;
-          if (is_wanted(selection, point)) {
-            points.push_back(point);
-            places.push_back(p_map);
-          }
-        }
-        if (painter) {
-          painter->coloring.color(points, places, path.at(0.0).translation());
-        }
-        take(points);
-        progress.update(++placed, 0);
-        require_within(job);
-      });
+  std::string text = recording.visit([&](const Sweep& sweep, const SensorPath::Stretch& path,
+                                         const MapSweep& in_map) {
+    std::vector<CloudPoint> points;
+    std::vector<Eigen::Vector3d> places;
+    const SweepClasses in_sweep = selection.looks_at_sweeps ? SweepClasses(sweep) : SweepClasses();
+    std::size_t number = 0;
+    for (CloudPoint& point : placed_points(sweep, path)) {
+      const std::size_t i = number++;
+      const Eigen::Vector3d p_map = point.position;
+      if (selection.is_gone && selection.is_gone(p_map, in_map.session)) {
+        continue;
+      }
+      point.moving = has_moved(selection, p_map);
+      point.position = coordinates.from_map(p_map);
+      classify(selection, p_map, point);
+      classify(in_sweep, carrier, i, point);
+      point.keyframe = in_map.keyframe;
+      point.session = in_map.session;
+      if (is_wanted(selection, point)) {
+        points.push_back(point);
+        places.push_back(p_map);
+      }
+    }
+    if (painter) {
+      painter->coloring.color(points, places, path.at(0.0).translation());
+    }
+    take(points);
+    progress.update(++placed, 0);
+    require_within(job);
+  });
   progress.finish();
   if (painter) {
     painter->device.require_no_complaints();
@@ -197,7 +261,8 @@ std::string export_dense(const ExportJob& job) {
   const CloudFormat format = cloud_format(job.options->dense);
   const ProductCoordinates coordinates = coordinates_of(job, is_las(format));
   CloudHeading heading = heading_of(coordinates);
-  const CloudClasses classes = find_classes(job, coordinates);
+  CloudClasses classes = find_classes(job, coordinates);
+  classes.looks_at_sweeps = !job.options->clean.empty();
   ClassFilter filter(classes);
   heading.measured = true;
   heading.colored = job.options->color;

@@ -24,7 +24,8 @@ LasClass class_of(const CloudPoint& point) {
 }
 
 bool is_noise(LasClass one) {
-  return one == LasClass::low_noise || one == LasClass::high_noise;
+  return one == LasClass::low_noise || one == LasClass::high_noise || one == LasClass::mixed ||
+         one == LasClass::carrier;
 }
 
 void classify(const CloudSelection& selection, const Eigen::Vector3d& in_map, CloudPoint& point) {

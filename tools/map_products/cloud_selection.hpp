@@ -35,7 +35,7 @@ struct CloudPoint {
   LasClass classification = LasClass::unclassified;
   std::array<uint8_t, 3> color{};  ///< red, green, blue; black where no camera saw it
 };
-/// Low or high noise.
+/// Of no surface of the place: low or high noise, mixed, the carrier.
 bool is_noise(LasClass one);
 /// Its classification; what moves is of the class `moving`.
 LasClass class_of(const CloudPoint& point);
@@ -58,6 +58,8 @@ struct CloudSelection {
   /// Empty: all are unclassified.
   std::function<LasClass(const Eigen::Vector3d& in_map, const Eigen::Vector3d& in_product)>
       class_at{};
+  /// Mixed pixels and the carrier are looked for in the sweeps of a dense cloud.
+  bool looks_at_sweeps = false;
   /// What is noise or moves is left out by whoever takes the points, and stands for no others.
   bool drops_noise = false;
 };

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kFinest = 0.2;  // m, a voxel's edge
 // Of a tile: so narrow that its voxels take little memory, so wide that a submap is in a few.
-constexpr int64_t kVoxelsAcross = 256;
+constexpr int64_t kMovedTileAcross = 256;
 
 /// The height of the tile's middle, in voxels: sensors are never far above or below what they see.
 int64_t middle(const std::vector<MapKeyframe>& keyframes, double edge) {
@@ -37,15 +37,15 @@ MovedSpace find_moved_space(const MapDatabase& map, engine::Context& context, ui
     edge = std::max(edge, load_submap(cache, keyframes.front().id, map.file())->r_submap);
   }
   const std::map<TileNumber, std::vector<MapKeyframe>> tiles =
-      keyframes_by_tile(map, {}, {}, {.cell = edge, .across = kVoxelsAcross});
+      keyframes_by_tile(map, {}, {}, {.cell = edge, .across = kMovedTileAcross});
   const MovedSpaceSearch search(context, edge);
   MovedSpace moved(edge);
   std::size_t done = 0;
   for (const auto& [tile, keyframes] : tiles) {
     const SpaceTile space{
-        .centre = {tile.x * kVoxelsAcross + kVoxelsAcross / 2,
-                   tile.y * kVoxelsAcross + kVoxelsAcross / 2, middle(keyframes, edge)},
-        .across = kVoxelsAcross};
+        .centre = {tile.x * kMovedTileAcross + kMovedTileAcross / 2,
+                   tile.y * kMovedTileAcross + kMovedTileAcross / 2, middle(keyframes, edge)},
+        .across = kMovedTileAcross};
     const auto submap = [&, &of_tile = keyframes](std::size_t i) {
       return PlacedSubmap{.T_map_keyframe = of_tile[i].T_map_keyframe,
                           .submap = load_submap(cache, of_tile[i].id, map.file())};
