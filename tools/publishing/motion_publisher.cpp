@@ -23,7 +23,7 @@ MotionPublisher::MotionPublisher(DdsNode& node)
                              .type = std::string(ros::Odometry::kType),
                              .reliable = true})) {}
 
-void MotionPublisher::begin(MotionSource source) {
+void MotionPublisher::begin(PublishedMotion source) {
   end();
   source_ = std::move(source);
   stream_.emplace(source_.config, 0.0);

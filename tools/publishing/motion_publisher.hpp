@@ -18,7 +18,7 @@
 namespace adit {
 
 /// The inertial readings of a run that goes on.
-struct MotionSource {
+struct PublishedMotion {
   const Recording* recording = nullptr;  ///< outlives the session
   std::size_t topic = 0;                 ///< of the readings
   ImuConfig config{};
@@ -43,7 +43,7 @@ class MotionPublisher {
   MotionPublisher& operator=(const MotionPublisher&) = delete;
 
   /// A session begins; reading begins with the first sweep that was fused.
-  void begin(MotionSource source);
+  void begin(PublishedMotion source);
   /// The odometry has placed a sweep.
   void update(const InertialReport& report);
   /// The session ends. It waits for a reading, or for the end of the recording.
@@ -58,7 +58,7 @@ class MotionPublisher {
 
   DdsNode& node_;
   std::size_t topic_;
-  MotionSource source_;
+  PublishedMotion source_;
   mutable std::mutex mutex_;  ///< of the stream and the ages
   std::optional<HighRateStream> stream_;
   DurationSample ages_;
