@@ -233,6 +233,10 @@ TEST_F(PlanExport, TheGroundHasContoursAndARaster) {
   EXPECT_NE(flat.err.find("the ground reaches no multiple of it"), std::string::npos) << flat.err;
   refuses({.contours = 0.5}, "p.svg", "contour lines are DXF, GeoJSON or GeoPackage files");
   refuses({.from = 1e6, .contours = 0.5}, "p.dxf", "no ground was seen");
+  refuses({.elevation = true}, "p.png", "an elevation map is a GeoTIFF");
+  ASSERT_EQ(exported({.elevation = true}, "elevation.tif").code, 0);
+  EXPECT_NE(test::content(folder_ / "elevation.tif").find("description\">step_height<"),
+            std::string::npos);
 }
 
 TEST_F(PlanExport, AreTheSameBytesTwice) {

@@ -97,11 +97,11 @@ std::string export_contours(const ExportJob& job) {
   } else if (end == ".dxf") {
     write_text_file(job.file, contours_dxf(sheet));
   } else {
-    if (!job.georeference) {
+    if (coordinates.frame() == ProductFrame::map) {
       throw UsageError("-o " + options.output->string() +
-                       ": GeoJSON is in degrees (RFC 7946), and the map is not georeferenced. "
-                       "Name it *.dxf or *.gpkg, or place the map with --origin "
-                       "LAT,LON,ALT[,YAW].");
+                       ": GeoJSON is in degrees (RFC 7946), and these contours are in the map's "
+                       "own frame. Name it *.dxf or *.gpkg; or leave out --frame, and place a map "
+                       "that is not georeferenced with --origin LAT,LON,ALT[,YAW].");
     }
     write_text_file(job.file, contours_geojson(sheet));
     return contours_text(lines, ground) + ", in degrees on WGS 84; heights of " +
