@@ -48,6 +48,7 @@ TEST(BinReader, FindsHowManyNumbersAPointHas) {
       EXPECT_EQ(cloud.sweep.rings.empty(), text.find('r') == text.npos) << layout;
       EXPECT_EQ(cloud.sweep.times.empty(), text.find('t') == text.npos) << layout;
       EXPECT_EQ(cloud.has_intensity, !text.empty()) << layout;
+      EXPECT_TRUE(cloud.sweep.doppler.empty()) << layout;
       EXPECT_TRUE(cloud.faults.empty());
       if (text.find('r') != text.npos) {
         EXPECT_EQ(cloud.sweep.rings[33], 1U) << layout;

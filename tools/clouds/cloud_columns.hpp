@@ -69,7 +69,8 @@ struct CloudReading {
 /// without CloudCompare's "scalar_" prefix; where several fit, the usual name wins ("intensity"
 /// before "reflectivity").
 struct FieldRoles {
-  int index[kFieldRoles] = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
+  FieldRoles() { index.fill(-1); }
+  std::array<int, kFieldRoles> index{};
   int operator[](FieldRole role) const { return index[static_cast<std::size_t>(role)]; }
 };
 /// `colors`: also of those of colours.
