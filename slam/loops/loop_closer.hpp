@@ -113,8 +113,6 @@ class LoopCloser {
   /// What find_between() needs to know of a node: to be called once for each node of the later map,
   /// in their order.
   void note(const KeyframeSubmap& submap);
-  /// The node is tied to the one before it no more: how the sensor came there nobody knows.
-  void part_at(NodeId node);
   /// As find(), of a node of the later map that was noted. The one that was described last is found
   /// by appearance, too, all others by position alone.
   std::vector<PendingLoop> find_between(const PoseGraph& graph, NodeId node,

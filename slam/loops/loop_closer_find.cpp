@@ -20,7 +20,6 @@ constexpr double kFirstRms = 0.05;  // m, expected of alignments where none has 
 constexpr double kLeastRms = 0.02;  // m, and at the least
 // What position finds may have drifted: the voting tells how far.
 constexpr double kNoGate = std::numeric_limits<double>::infinity();
-constexpr double kAnywhere = std::numeric_limits<double>::infinity();  // m
 
 LoopSearchSettings search_settings(const Config& config) {
   return {.max_distance = 0.5 * config.preprocess.c_max,
@@ -83,6 +82,7 @@ void LoopCloser::begin_behind(std::span<const EarlierPlace> places, MapAliases a
 // How far one map lies from the other nobody knows.
 void LoopCloser::search_between(NodeId first, bool same_site) {
   same_site_ = same_site;
+  constexpr double kAnywhere = std::numeric_limits<double>::infinity();
   search_.earlier_alone = appearance_.earlier_alone = searching_.earlier_alone = true;
   gaps_.push_back({.after = first, .reach = kAnywhere, .climb = kAnywhere});
 }
@@ -131,13 +131,7 @@ PendingLoop LoopCloser::judged(const LoopPlace& place, NodeId newest,
           .expected = verdict.expected};
 }
 
-void LoopCloser::part_at(NodeId node) {
-  gaps_.push_back({.after = node, .reach = kAnywhere, .climb = kAnywhere});
-}
-
-// The newest node may not be tied to the one before: the odometry has started anew with it. With a
-// map of earlier sessions the odds of places decide, not how far it can have gone meanwhile: the
-// sensor may have been carried.
+// The newest node may not be tied to the one before: the odometry has started anew with it.
 void LoopCloser::note_gap(const PoseGraph& graph, const KeyframeSubmap& submap) {
   constexpr std::size_t kAsked = 10;  // keyframes, whose highest speed counts
   const Nanoseconds stamp = submap.sweeps.front().stamp;
@@ -148,9 +142,7 @@ void LoopCloser::note_gap(const PoseGraph& graph, const KeyframeSubmap& submap) 
     const auto way = std::ranges::find_if(edges, [&](std::size_t index) {
       return graph.edges()[index].from == before || graph.edges()[index].to == before;
     });
-    if (way == edges.end() && search_.earlier_nodes > 0) {
-      part_at(newest);
-    } else if (way == edges.end()) {
+    if (way == edges.end()) {
       const auto last = std::span(speeds_).last(std::min(speeds_.size(), kAsked));
       gaps_.push_back(tracking_gap(newest, seconds(stamp - std::min(last_tracked_, last_stamp_)),
                                    last.empty() ? 0.0 : std::ranges::max(last)));
@@ -160,8 +152,9 @@ void LoopCloser::note_gap(const PoseGraph& graph, const KeyframeSubmap& submap) 
     }
   } else {
     last_tracked_ = stamp;
-    if (search_.earlier_nodes > 0) {
-      part_at(graph.nodes().back().id);
+    if (search_.earlier_nodes > 0) {  // how far the sensor was brought meanwhile nobody knows
+      constexpr double kAnywhere = std::numeric_limits<double>::infinity();
+      gaps_.push_back({.after = graph.nodes().back().id, .reach = kAnywhere, .climb = kAnywhere});
     }
   }
   last_stamp_ = stamp;

@@ -18,8 +18,7 @@ enum class LocalizationState {
   localized,    ///< the map has been recognised a short way ago
   outside,      ///< no keyframe of the map is near: the odometry goes on alone
   unconfirmed,  ///< keyframes of the map are near, but none has been recognised for a while
-  lost,         ///< the sensor has lost its place, and nothing has been recognised again: the
-                ///< odometry started anew, or the map is not what it should see
+  lost,         ///< the odometry has started anew since, and nothing has been recognised again
 };
 inline constexpr std::size_t kLocalizationStates = 7;
 /// The enumerator's name.
@@ -70,9 +69,6 @@ struct Localization {
   double searched = 0.0;       ///< m, gone until the first of them was accepted
   std::array<std::size_t, kLocalizationStates> keyframes{};  ///< so far, by LocalizationState
   StartSource start = StartSource::appearance;
-  std::size_t losses = 0;           ///< times that the place was lost after it had been recognised
-  std::size_t recoveries = 0;       ///< times that it was recognised again
-  double longest_loss = 0.0;        ///< m gone until it was, or until now
   bool start_contradicted = false;  ///< what was recognised lies elsewhere than it was expected to
   /// The pose's in the map's frame, right perturbation [rho, phi], m^2, rad^2; without an earlier
   /// session's keyframe that it is tied to: zero.
@@ -80,11 +76,6 @@ struct Localization {
 
   /// There is such a map.
   bool any() const { return state != LocalizationState::none; }
-  /// Has been recognised, and has not lost its place since.
-  bool is_placed() const {
-    return state == LocalizationState::localized || state == LocalizationState::outside ||
-           state == LocalizationState::unconfirmed;
-  }
 };
 
 }  // namespace adit

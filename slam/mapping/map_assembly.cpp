@@ -184,67 +184,11 @@ void MapAssembly::localize() {
   if (best != nullptr) {
     localization_.covariance = inverted(best->T_start_node, best->covariance);
   }
-  const bool is_recent = path <= kRecognisedLately;
-  const bool was_lost = localization_.state == LocalizationState::lost;
-  localization_.state = best == nullptr                      ? LocalizationState::lost
-                        : is_recent && place_odds_.is_sure() ? LocalizationState::localized
-                        : !is_recent && nearest > kNoKeyframeIsNear
-                            ? LocalizationState::outside
-                            : LocalizationState::unconfirmed;
+  localization_.state = best == nullptr               ? LocalizationState::lost
+                        : path <= kRecognisedLately   ? LocalizationState::localized
+                        : nearest > kNoKeyframeIsNear ? LocalizationState::outside
+                                                      : LocalizationState::unconfirmed;
   ++localization_.keyframes[static_cast<std::size_t>(localization_.state)];
-  const bool is_lost = localization_.state == LocalizationState::lost;
-  if (is_lost) {
-    note_loss(was_lost ? odometry_path(newest - 1, newest) : 0.0);
-  } else if (was_lost) {
-    ++localization_.recoveries;
-    lost_path_ = 0.0;
-    place_odds_.reset();
-  }
-}
-
-// The odometry goes on in a part of its own: how the path leads there is not known.
-void MapAssembly::note_loss(double path) {
-  if (localization_.losses == localization_.recoveries) {
-    ++localization_.losses;
-  }
-  lost_path_ = path > 0.0 ? lost_path_ + path : lost_path_;
-  localization_.longest_loss = std::max(localization_.longest_loss, lost_path_);
-}
-
-// Where the map is not what the newest keyframes see, the sensor is elsewhere, whatever the
-// odometry made of it.
-void MapAssembly::doubt_place() {
-  const std::size_t newest = graph_.nodes().size() - 1;
-  if (!localization_.is_placed() || newest <= earlier_nodes_) {
-    return;
-  }
-  place_odds_.add(
-      graph_.nodes()[newest].id,
-      likeness_by_position(graph_, graph_.nodes()[newest].id, due_.back().loops, earlier_nodes_),
-      odometry_path(newest - 1, newest));
-  if (place_odds_.is_elsewhere()) {
-    part_at(*place_odds_.different_since());
-  }
-}
-
-// The odometry's edge that leads to the keyframe counts no more.
-void MapAssembly::part_at(NodeId keyframe) {
-  for (Due& due : due_) {
-    if (due.keyframe == keyframe) {
-      due.edge.reset();
-    }
-  }
-  for (const std::size_t i : graph_.edges_of(keyframe)) {
-    const PoseEdge& edge = graph_.edges()[i];
-    if (edge.kind == EdgeKind::odometry && edge.to == keyframe &&
-        edge.status == EdgeStatus::active) {
-      graph_.set_status(i, EdgeStatus::revoked);
-      store_->revise({.statuses = {{i, EdgeStatus::revoked}}});
-    }
-  }
-  loops_->part_at(keyframe);
-  place_odds_.reset();
-  lost_path_ = odometry_path(graph_.index_of(keyframe), graph_.nodes().size() - 1);
 }
 
 // m, between two keyframes of the session.
@@ -297,7 +241,6 @@ void MapAssembly::add(const AssembledKeyframe& added) {
   }
   if (loops_) {
     due_.back().loops = loops_->find(known_graph(), *added.submap, *added.cloud);
-    doubt_place();
   }
   take_effect(keyframe.id);
   localize();

@@ -12,7 +12,6 @@
 #include "adit/slam/loops/loop_closer.hpp"
 #include "adit/slam/mapping/localization.hpp"
 #include "adit/slam/mapping/map_store.hpp"
-#include "adit/slam/mapping/place_odds.hpp"
 #include "adit/slam/mapping/start_place.hpp"
 #include "adit/slam/mapping/stored_map.hpp"
 #include "adit/slam/submaps/map_memory.hpp"
@@ -91,9 +90,6 @@ class MapAssembly {
   void start_by_fixes(const AssembledKeyframe& added);
   void release_start();
   void localize();
-  void note_loss(double path);
-  void doubt_place();
-  void part_at(NodeId keyframe);
   double odometry_path(std::size_t from, std::size_t to) const;
 
   MapStore* store_;
@@ -114,8 +110,6 @@ class MapAssembly {
   std::optional<Matrix6d> start_covariance_{};    ///< of the first keyframe, which has not come yet
   std::optional<std::size_t> start_edge_{};       ///< of the graph; while it may count
   std::optional<StartByFixes> start_by_fixes_{};  ///< until a start is known
-  PlaceOdds place_odds_;
-  double lost_path_ = 0.0;  ///< m, gone since the place was lost
   Localization localization_;
 };
 

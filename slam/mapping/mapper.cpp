@@ -12,21 +12,10 @@
 #include "adit/slam/graph/horizontal_drift.hpp"
 #include "adit/slam/graph/loop_optimization.hpp"
 #include "adit/slam/registration/beam_spacing.hpp"
-#include "adit/slam/submaps/free_space.hpp"
 #include "adit/slam/submaps/submap_alignment.hpp"
 
 namespace adit {
 namespace {
-
-// Share of the points that one of two submaps sees through in the other, from where on they are not
-// of one place: as for loops (loop_verification.hpp).
-constexpr double kMostThrough = 0.05;
-
-double mutual_through(const KeyframeSubmap& from, const KeyframeSubmap& to,
-                      const Eigen::Isometry3d& T_from_to) {
-  return std::max(seen_through(RangeImage(from), to, T_from_to),
-                  seen_through(RangeImage(to), from, T_from_to.inverse()));
-}
 
 /// LoopReport::residual_squared.
 double residual_of_loops(const PoseGraph& graph) {
@@ -73,18 +62,16 @@ MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
   place_fixes(result);
   place_headings(result);
   const bool after_silence = result.silence > 0.0 && result.state == OdometryState::tracking;
-  if (!open_ || result.keyframe || restarted || after_silence || result.renewed ||
-      builder_.full()) {
+  if (!open_ || result.keyframe || restarted || after_silence || builder_.full()) {
     if (open_) {
       freeze();
     }
     open_ = Open{.id = next_++,
                  .lidar = {result.stamp, result.T_map_lidar, result.uncertainty},
                  .detached = restarted,
-                 .after_silence = after_silence,
-                 .by_inertia = result.renewed};
+                 .after_silence = after_silence};
   }
-  const bool believed = result.state != OdometryState::coasting || result.renewed;
+  const bool believed = result.state != OdometryState::coasting;
   builder_.add({.stamp = result.stamp,
                 .T_odom_lidar = result.T_map_lidar,
                 .cloud = believed ? cloud : std::span<const Point>(),
@@ -101,7 +88,7 @@ MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
   ++report_.sweeps;
   return {.keyframe = open_->id,
           .T_map_lidar = assembly_.T_map_odom() * result.T_map_lidar,
-          .localization = localization_of(result)};
+          .localization = assembly_.localization()};
 }
 
 void Mapper::add(const GnssFix& fix, const Eigen::Vector3d& p_lidar_antenna) {
@@ -120,19 +107,6 @@ void Mapper::add(const Heading& heading, const Eigen::Vector3d& axis_lidar) {
       std::ranges::upper_bound(pending_headings_, heading.stamp, {},
                                [](const PendingHeading& pending) { return pending.heading.stamp; });
   pending_headings_.insert(later, {.heading = heading, .axis_lidar = axis_lidar});
-}
-
-// A sweep that is not aligned confirms nothing, and one behind a new start of the odometry is not
-// where the last stored keyframe leads.
-Localization Mapper::localization_of(const SweepResult& sweep) const {
-  Localization localization = assembly_.localization();
-  if (localization.is_placed() && last_ && open_->detached) {
-    localization.state = LocalizationState::lost;
-  } else if (localization.state == LocalizationState::localized &&
-             (sweep.state == OdometryState::coasting || open_->by_inertia)) {
-    localization.state = LocalizationState::unconfirmed;
-  }
-  return localization;
 }
 
 // What lies between the sweep before and this one, which the keyframe that is open has seen.
@@ -218,7 +192,7 @@ void Mapper::finish() {
 void Mapper::freeze() {
   const auto start = std::chrono::steady_clock::now();
   Open open = *std::exchange(open_, std::nullopt);
-  FrozenSubmap frozen = builder_.freeze(beam_spacing_);
+  const FrozenSubmap frozen = builder_.freeze(beam_spacing_);
   const KeyframeSubmap& submap = frozen.submap;
   const SurfaceCloud cloud = make_surface_cloud(*context_, submap);
   for (MapFix& fix : open.fixes) {
@@ -252,50 +226,37 @@ void Mapper::freeze() {
                                      ? clouds_.make_target(cloud, aligner_.settings().method,
                                                            std::array{config_.registration.r_align})
                                      : AlignmentTarget(),
-                       .has_points = has_points,
-                       .submap = {}});
+                       .has_points = has_points});
   ++report_.keyframes;
   report_.points += submap.points.size();
   report_.seen_through += submap.points.size() - cloud.size;
-  last_->submap = std::move(frozen.submap);
   report_.lost_points += frozen.lost_points;
   report_.crowded_cells += frozen.crowded_cells;
   report_.keyframe_ms.push_back(
       std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count());
 }
 
-// What the odometry and an alignment of the two submaps say of the way between them. Where inertia
-// alone knows it, the submaps may show that the sensor did not go that way: it was carried, or the
-// readings are wrong.
-std::optional<PoseEdge> Mapper::tie(const Frozen& from, const Open& to, const FrozenSubmap& submap,
-                                    const SurfaceCloud& cloud) {
+// What the odometry and an alignment of the two submaps say of the way between them.
+PoseEdge Mapper::tie(const Frozen& from, const Open& to, const FrozenSubmap& submap,
+                     const SurfaceCloud& cloud) {
   const KeyframeMotion odometry =
       odometry_motion(from.lidar, to.lidar, from.T_odom_keyframe.inverse() * submap.T_odom_keyframe,
                       submap.submap.sweeps.front().T_keyframe_lidar);
-  std::optional<RegistrationResult> aligned;
+  ++report_.edges;
   // After a silence an alignment of the submaps would only repeat the odometry's.
   if (from.has_points && cloud.size > 0 && !to.after_silence) {
     const AlignmentPair pair{.source = &cloud,
                              .target = &from.target,
                              .T_target_source = odometry.T_from_to,
                              .prior_information = edge_of(from.id, to.id, odometry).information};
-    aligned = aligner_.align(std::span(&pair, 1)).front();
+    const RegistrationResult aligned = aligner_.align(std::span(&pair, 1)).front();
+    if (is_usable(aligned.status)) {
+      ++report_.aligned_edges;
+      assembly_.add_expected_rms(aligned.residual_rms);
+      return edge_of(from.id, to.id, combined(odometry, motion_of(aligned)));
+    }
   }
-  if (aligned && !is_usable(aligned->status)) {
-    aligned.reset();
-  }
-  if (to.by_inertia &&
-      mutual_through(from.submap, submap.submap,
-                     aligned ? aligned->T_target_source : odometry.T_from_to) > kMostThrough) {
-    return std::nullopt;
-  }
-  ++report_.edges;
-  if (!aligned) {
-    return edge_of(from.id, to.id, odometry);
-  }
-  ++report_.aligned_edges;
-  assembly_.add_expected_rms(aligned->residual_rms);
-  return edge_of(from.id, to.id, combined(odometry, motion_of(*aligned)));
+  return edge_of(from.id, to.id, odometry);
 }
 
 }  // namespace adit

@@ -23,7 +23,7 @@ namespace adit {
 struct MapPlacement {
   NodeId keyframe = 0;                                            ///< whose submap it belongs to
   Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();  ///< as far as is known by now
-  Localization localization{};  ///< as the last stored keyframe and the sweep itself have it
+  Localization localization{};  ///< as the last stored keyframe has it
 };
 
 /// What has become of a run's map.
@@ -90,7 +90,6 @@ class Mapper {
     UncertainPose lidar;                 ///< pose of its first sweep, in the odometry's frame
     bool detached = false;               ///< the odometry started anew with it
     bool after_silence = false;          ///< the odometry found its track again with it
-    bool by_inertia = false;             ///< inertia alone says how it is tied to the one before
     std::vector<MapFix> fixes{};         ///< antenna and lidar in the odometry's frame as yet
     std::vector<MapHeading> headings{};  ///< axis in the odometry's frame as yet
   };
@@ -109,15 +108,13 @@ class Mapper {
     Eigen::Isometry3d T_odom_keyframe = Eigen::Isometry3d::Identity();
     AlignmentTarget target;
     bool has_points = false;
-    KeyframeSubmap submap;
   };
-  Localization localization_of(const SweepResult& sweep) const;
   bool is_placed_by(const SweepResult& next) const;
   void place_fixes(const SweepResult& next);
   void place_headings(const SweepResult& next);
   void freeze();
-  std::optional<PoseEdge> tie(const Frozen& from, const Open& to, const FrozenSubmap& submap,
-                              const SurfaceCloud& cloud);
+  PoseEdge tie(const Frozen& from, const Open& to, const FrozenSubmap& submap,
+               const SurfaceCloud& cloud);
 
   engine::Context* context_;
   Config config_;

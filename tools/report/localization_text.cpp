@@ -8,13 +8,6 @@
 #include <nlohmann/json.hpp>
 
 namespace adit {
-namespace {
-
-std::string times(std::size_t count) {
-  return count == 1 ? "once" : fmt::format("{} times", count);
-}
-
-}  // namespace
 
 nlohmann::ordered_json to_json(const Localization& localization) {
   nlohmann::ordered_json json = {{"state", to_string(localization.state)},
@@ -24,11 +17,6 @@ nlohmann::ordered_json to_json(const Localization& localization) {
   if (localization.recognised > 0) {
     json["recognised_after_m"] = localization.searched;
     json["path_since_m"] = localization.path;
-    json["losses"] = localization.losses;
-    json["recoveries"] = localization.recoveries;
-    if (localization.losses > 0) {
-      json["longest_loss_m"] = localization.longest_loss;
-    }
   }
   json["keyframes"] = nlohmann::ordered_json::object();
   for (std::size_t i = 1; i < kLocalizationStates; ++i) {
@@ -61,11 +49,6 @@ std::string describe(const Localization& localization) {
                           to_string(static_cast<LocalizationState>(i)));
       first = false;
     }
-  }
-  if (localization.losses > 0) {
-    text += fmt::format("; place lost {}, recognised again {}, at most {:.1f} m without it",
-                        times(localization.losses), times(localization.recoveries),
-                        localization.longest_loss);
   }
   return text;
 }
