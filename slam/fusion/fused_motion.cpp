@@ -10,6 +10,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "adit/slam/core/chi_squared.hpp"
 #include "adit/slam/core/median.hpp"
 #include "adit/slam/fusion/state_checks.hpp"
 
@@ -24,16 +25,12 @@ constexpr CovarianceModel kWhiteModel{.kappa = 0.3,
                                       .sigma_translation = 0.002,
                                       .sigma_rotation = 0.0003};
 
-// chi squared that 99.9 % stay below, by degrees of freedom.
-constexpr std::array kChiSquared999 = {0.0, 10.83, 13.82, 16.27, 18.47, 20.52, 22.46};
 // Alignments err more than their covariances say: by three times in woods.
 constexpr double kOutlierGateScale = 10.0;
 constexpr double kSurprises = 3.0;  // in a row are a failure
 // Alignments with weak directions lock into wrong places for a while: rings of the ground on rings
 // of the ground. So much of a surprise they are.
 constexpr double kWeakSurprise = 0.25;
-// What deviates more than 95 % do, in units of what is usual, is believed that much less.
-constexpr std::array kChiSquared95 = {0.0, 3.84, 5.99, 7.81, 9.49, 11.07, 12.59};
 constexpr size_t kUsual = 15;         // alignments that tell what is usual
 constexpr double kLeastScale = 0.05;  // of variances
 constexpr double kMostScale = 20.0;
@@ -131,6 +128,7 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
     const bool outlier = result.innovation.nis > result.innovation_gate;
     outliers_ = outlier ? outliers_ + 1 : 0;
     surprises_ = outlier ? surprises_ + surprise : 0.0;
+    // A larger deviation than 95 % have, in units of the usual one, lowers the information.
     const double expected = kChiSquared95[degrees] * usual_innovation();
     if (context.sure && result.innovation.nis > expected) {
       measurement->root_information *= std::sqrt(expected / result.innovation.nis);

@@ -8,6 +8,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "adit/slam/core/chi_squared.hpp"
+
 namespace adit {
 namespace {
 
@@ -27,7 +29,6 @@ Vector6d bounded(const Vector6d& step) {
 }  // namespace
 
 double huber_width(int directions) {
-  constexpr std::array kChiSquared95 = {0.0, 3.841, 5.991, 7.815, 9.488, 11.070, 12.592};
   return std::sqrt(kChiSquared95[static_cast<size_t>(std::clamp(directions, 0, 6))]);
 }
 

@@ -11,6 +11,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "adit/slam/core/chi_squared.hpp"
 #include "adit/slam/core/median.hpp"
 #include "adit/slam/fusion/velocity_factor.hpp"
 
@@ -26,10 +27,7 @@ constexpr double kSigmas = 3.0;
 // An error of scale or direction that is usual by as much is not one that the calibration's prior
 // allows for, in its standard deviations.
 constexpr double kPriorSigmas = 4.0;
-// chi squared of three degrees of freedom that half, 95 % and 99.9 % stay below.
-constexpr double kMedianChiSquared = 2.366;
-constexpr double kLasting95 = 7.815;
-constexpr double kLasting999 = 16.27;
+constexpr double kMedianChiSquared = 2.366;  // of three degrees of freedom
 // As many sweeps as the sliding graph has states (imu.lag): among them an error that lasts adds up.
 constexpr std::size_t kLasting = 20;
 
@@ -90,8 +88,8 @@ VelocityReport VelocityWatch::judge(MeasuredDisplacement& measured, const NavSta
   report.comparison = comparison();
   // An error that lasts does not average out: so many sweeps know no more than one of them.
   const LastingError lasting = moves ? lasting_error() : LastingError{};
-  report.slips = lasting.chi2 > kLasting999;
-  const double certain = std::max(0.0, 1.0 - kLasting95 / std::max(lasting.chi2, 1e-9));
+  report.slips = lasting.chi2 > kChiSquared999[3];
+  const double certain = std::max(0.0, 1.0 - kChiSquared95[3] / std::max(lasting.chi2, 1e-9));
   const Eigen::Vector3d way = measured.duration * lasting.mean;
   measured.covariance *= variance_scale();
   measured.covariance += certain * static_cast<double>(lasting.sweeps) * way * way.transpose();

@@ -7,6 +7,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "adit/slam/core/chi_squared.hpp"
+
 namespace adit {
 namespace {
 
@@ -22,10 +24,6 @@ constexpr double kVarying = 1.0 / 3.0;
 // (docs/theory/loops.md).
 constexpr double kStep = 0.2;       // m
 constexpr double kStepTurn = 0.02;  // rad
-
-// Chi squared of 4 and of 6 directions: 99.9 %.
-constexpr double kLevelledQuantile = 18.47;
-constexpr double kQuantile = 22.46;
 
 DriftRates prior_variances() {
   DriftRates sigma;
@@ -93,7 +91,7 @@ DriftDifference OdometryDrift::beyond_prediction(const DriftDifference& claimed)
 double OdometryDrift::excess(const DriftDifference& claimed) const {
   const DriftDifference beyond = beyond_prediction(claimed);
   return beyond.difference.dot(beyond.covariance.ldlt().solve(beyond.difference)) /
-         (claimed.levelled ? kLevelledQuantile : kQuantile);
+         kChiSquared999[claimed.levelled ? 4 : 6];
 }
 
 double OdometryDrift::log_odds(const DriftDifference& claimed, double volume) const {
