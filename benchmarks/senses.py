@@ -33,66 +33,29 @@ CAMERA = ["recording.velocity_topic=/visual_odometry", "recording.velocity_of_po
 NO_DOPPLER = ["velocity.doppler=false"]
 HEADING = ["recording.heading_topic=/heading"]
 WHEEL_FAULTS = ["scale", "slip", "stuck", "units", "reversed", "axes", "late", "zero-covariance", "negative-covariance"]
-# Turned by half a circle about the vertical, and mirrored left to right as a mounting in a left-handed frame is.
+# Rotations about the vertical.
 MOUNTINGS = {"mounting turned by 180 degrees": "velocity.T_lidar_sensor=[-0.03,0.21,-0.58,0,0,1,0]",
              "mounting turned by 10 degrees": "velocity.T_lidar_sensor=[-0.03,0.21,-0.58,0,0,0.0871557,0.9961947]"}
 HEADING_FAULTS = ["off-90", "off-180", "noisy", "stuck", "outliers"]
 
-TWO_VLP16 = """scene = "{scene}"
-duration = {duration}
-seed = {seed}
-[trajectory]
-style = "walk"
-begin = {begin}
-[[lidar]]
-topic = "/front"
-frame = "front"
-[[lidar]]
-topic = "/rear"
-frame = "rear"
-position = [-0.6, 0.0, 0.1]
-yaw_pitch_roll = [170.0, 30.0, 0.0]
-{end}
-"""
-DOME = """scene = "office"
-duration = {duration}
-seed = {seed}
-[trajectory]
-style = "walk"
-begin = {begin}
-[[lidar]]
-sensor = "Mid-360"
-topic = "/front"
-frame = "front"
-[[lidar]]
-sensor = "OS0-128"
-topic = "/rear"
-frame = "rear"
-position = [-0.3, 0.0, 0.2]
-"""
-AVIAS = """scene = "office"
-duration = {duration}
-seed = {seed}
-[trajectory]
-style = "walk"
-begin = {begin}
-[[lidar]]
-sensor = "Avia"
-topic = "/front"
-frame = "front"
-[[lidar]]
-sensor = "Avia"
-topic = "/rear"
-frame = "rear"
-position = [-0.2, 0.15, 0.08]
-yaw_pitch_roll = [120.0, 0.0, 0.0]
-[[lidar]]
-sensor = "Avia"
-topic = "/right"
-frame = "right"
-position = [-0.2, -0.15, 0.08]
-yaw_pitch_roll = [-120.0, 0.0, 0.0]
-"""
+def scene_file(scene, lidars, duration, seed, begin):
+    """A scene file; `lidars`: for each the lines of its table."""
+    tables = "".join("[[lidar]]\n" + "".join(f"{line}\n" for line in lidar) for lidar in lidars)
+    return (f'scene = "{scene}"\nduration = {duration}\nseed = {seed}\n'
+            f'[trajectory]\nstyle = "walk"\nbegin = {begin}\n{tables}')
+
+
+def lidar(name, *more, sensor="VLP-16"):
+    """The lines of a range sensor's table."""
+    return [f'sensor = "{sensor}"', f'topic = "/{name}"', f'frame = "{name}"', *more]
+
+
+TWO_VLP16 = [lidar("front"), lidar("rear", "position = [-0.6, 0.0, 0.1]", "yaw_pitch_roll = [170.0, 30.0, 0.0]")]
+ONE_ENDS = [TWO_VLP16[0], [*TWO_VLP16[1], "end = 10.0"]]
+DOME = [lidar("front", sensor="Mid-360"), lidar("rear", "position = [-0.3, 0.0, 0.2]", sensor="OS0-128")]
+AVIAS = [lidar("front", sensor="Avia"),
+         lidar("rear", "position = [-0.2, 0.15, 0.08]", "yaw_pitch_roll = [120.0, 0.0, 0.0]", sensor="Avia"),
+         lidar("right", "position = [-0.2, -0.15, 0.08]", "yaw_pitch_roll = [-120.0, 0.0, 0.0]", sensor="Avia")]
 
 
 def merged(*topics):
@@ -155,15 +118,15 @@ def lidars(seed):
     wrong_pose = ["--set", turned.format(",".join(f"{one:.6f}" for one in quaternion))]
     fill = {"duration": 20, "seed": seed, "begin": begin_of(seed, 90)}
     for scene in ("office", "mine"):
-        two = TWO_VLP16.format(scene=scene, end="", **fill)
+        two = scene_file(scene, TWO_VLP16, **fill)
         runs = {"merged": merged("/rear"), "3 degrees wrong": merged("/rear") + wrong_pose, **each}
         yield Recording("lidars", f"two VLP-16, {scene}", [], runs, two)
-    gone = TWO_VLP16.format(scene="office", end="end = 10.0", **fill)
+    gone = scene_file("office", ONE_ENDS, **fill)
     yield Recording("lidars", "two VLP-16, rear unplugged", [], {"merged": merged("/rear")}, gone)
     fill["duration"] = 12
-    yield Recording("lidars", "Mid-360 and OS0-128", [], {"merged": merged("/rear"), **each}, DOME.format(**fill))
+    yield Recording("lidars", "Mid-360 and OS0-128", [], {"merged": merged("/rear"), **each}, scene_file("office", DOME, **fill))
     yield Recording("lidars", "three Avias", [],
-                    {"merged": merged("/rear", "/right"), **each, "right alone": alone("/right")}, AVIAS.format(**fill))
+                    {"merged": merged("/rear", "/right"), **each, "right alone": alone("/right")}, scene_file("office", AVIAS, **fill))
 
 
 def headings(seed):
