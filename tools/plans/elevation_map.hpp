@@ -18,7 +18,7 @@ struct ElevationLayers {
   GroundHeights variance;         ///< m2, of that mean
   GroundHeights slope;            ///< degrees, of the plane through up to nine cells
   GroundHeights roughness;        ///< m, standard deviation of points about the ground's plane
-  GroundHeights step_height;      ///< m, largest difference to one of the eight cells beside it
+  GroundHeights step_height;      ///< m, largest difference to one of its eight neighbours
   GroundHeights obstacle_height;  ///< m above the ground, of the highest point below kHeadroom
 };
 /// m: what is higher is passed below. Lintels of doors are not lower (DIN 18101: 2.0 m and more).
